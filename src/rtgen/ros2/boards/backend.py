@@ -14,10 +14,12 @@ class RosBoardsBackend:
 
     def emit(self, model: Model, options: Options) -> Emission:
         """Return the files, and a warning for each function that is no service."""
-        made = interfaces(model, options.package)
+        of_boards = interfaces(model, options.package)
         space = options.ros_boards or "/"
-        files = [a for each in made for a in artifacts(each, space, options.version)]
-        findings = [finding for each in made for finding in each.findings]
+        files = [
+            a for each in of_boards for a in artifacts(each, space, options.version)
+        ]
+        findings = [finding for each in of_boards for finding in each.findings]
         return Emission(tuple(files), tuple(findings))
 
 

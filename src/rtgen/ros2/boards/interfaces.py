@@ -100,10 +100,10 @@ def of_board(board: BoardPackage, package: str) -> Interfaces:
 
 
 def service_facts(
-    made: Iterable[Interfaces], namespace: str
+    files: Iterable[Interfaces], namespace: str
 ) -> Iterator[dict[str, str]]:
     """Yield name, type, hash and function of each service, as `rtgen inspect` shows them."""
-    for each in made:
+    for each in files:
         for service in each.services:
             signature = service.join.service.signature
             yield {
@@ -115,25 +115,30 @@ def service_facts(
             }
 
 
-def artifacts(made: Interfaces, namespace: str, version: str) -> Iterator[Artifact]:
+def artifacts(
+    interfaces: Interfaces, namespace: str, version: str
+) -> Iterator[Artifact]:
     """Yield interface files, which state names and hashes, and the same as IDL."""
-    for name, text in made.texts.items():
+    for name, text in interfaces.texts.items():
         path = PurePosixPath(name)
         interface = path.with_suffix("").as_posix()
-        lines = [*header(version, made.origin), *_about(made, interface, namespace)]
+        lines = [
+            *header(version, interfaces.origin),
+            *_about(interfaces, interface, namespace),
+        ]
         head = "".join(f"# {line}\n" for line in lines)
-        yield Artifact(f"{FOLDER}/{name}", f"{head}\n{text}", made.origin)
+        yield Artifact(f"{FOLDER}/{name}", f"{head}\n{text}", interfaces.origin)
         idl = path.with_suffix(".idl").as_posix()
         head = "".join(f"// {line}\n" for line in lines)
-        body = ros_idl.plain_idl_of(made.model, idl)
-        yield Artifact(f"{FOLDER}/{idl}", f"{head}\n{body}", made.origin)
+        body = ros_idl.plain_idl_of(interfaces.model, idl)
+        yield Artifact(f"{FOLDER}/{idl}", f"{head}\n{body}", interfaces.origin)
 
 
-def _about(made: Interfaces, interface: str, namespace: str) -> Iterator[str]:
-    for service in made.services:
+def _about(interfaces: Interfaces, interface: str, namespace: str) -> Iterator[str]:
+    for service in interfaces.services:
         if service.interface == interface:
             yield f"Service {ros_names.qualified(service.name, namespace)}"
-    yield f"Type {interface}, {made.hashes[interface]}"
+    yield f"Type {interface}, {interfaces.hashes[interface]}"
 
 
 class _Writer:
@@ -166,9 +171,9 @@ class _Writer:
                 key = id(join.service), layout.function.id
                 if key not in described:
                     described[key] = self._described(join, layout)
-                made = described[key]
-                if made is not None:
-                    self._add(join, prefix, made)
+                service = described[key]
+                if service is not None:
+                    self._add(join, prefix, service)
         return self._result()
 
     def _result(self) -> Interfaces:
@@ -188,21 +193,21 @@ class _Writer:
             tuple(self._findings),
         )
 
-    def _add(self, join: RtcJoin, prefix: str, made: BoardService) -> None:
+    def _add(self, join: RtcJoin, prefix: str, first: BoardService) -> None:
         """Add a function's service of a join, unless its name is invalid or taken."""
-        name = f"{prefix}/{field_name(made.layout.function.name)}"
-        service = msgspec.structs.replace(made, name=name, join=join)
+        name = f"{prefix}/{field_name(first.layout.function.name)}"
+        service = msgspec.structs.replace(first, name=name, join=join)
         why = ros_names.violation(name)
         other = self._seen.setdefault(name, service)
         if why is not None:
             message = f"{name} is no name of a service, which {why}"
             hint = "rename the CDL file, the cell or the function"
-            self._findings.append(SAME_SERVICE.at(made.place, message, hint=hint))
+            self._findings.append(SAME_SERVICE.at(first.place, message, hint=hint))
         elif other is not service:
             self._findings.append(
                 SAME_SERVICE.at(
-                    made.place,
-                    f"{_shown(join, made)} and {_shown(other.join, other)} would both be the "
+                    first.place,
+                    f"{_shown(join, first)} and {_shown(other.join, other)} would both be the "
                     f"service {name}",
                     related=[Related(other.place, "the other is here")],
                     hint="rename one of them, or the CDL file",

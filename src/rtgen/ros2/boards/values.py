@@ -63,13 +63,13 @@ def _to_board(node: Node, classes: Classes) -> Convert:
             convert = _to_board(element, classes)
             return lambda values: [convert(value) for value in values]
         case Record():
-            made, _ = classes[node.struct.name]
+            class_, _ = classes[node.struct.name]
             names = field_names((i.name for i in node.items), ()).values()
             members = [
                 (name, to_board(item, classes))
                 for name, item in zip(names, node.items, strict=True)
             ]
-            return lambda value: made(
+            return lambda value: class_(
                 *(convert(getattr(value, name)) for name, convert in members)
             )
         case String() if node.is_wide:
@@ -98,13 +98,13 @@ def _to_message(node: Node, classes: Classes) -> Convert:
             convert = _to_message(element, classes)
             return lambda values: [convert(value) for value in values]
         case Record():
-            _, made = classes[node.struct.name]
+            _, class_ = classes[node.struct.name]
             converts = [to_message(item, classes) for item in node.items]
 
             def message(value: Any) -> Any:
                 members = (getattr(value, name) for name in value.__struct_fields__)
                 pairs = zip(converts, members, strict=True)
-                return made(*(convert(member) for convert, member in pairs))
+                return class_(*(convert(member) for convert, member in pairs))
 
             return message
         case String() if node.is_wide:

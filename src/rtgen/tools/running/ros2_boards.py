@@ -71,9 +71,9 @@ class Boards:
     """The boards of a project with the services of their functions, and its CANopen devices."""
 
     def __init__(
-        self, made: Iterable[Interfaces], devices: Iterable[RosDevice], package: str
+        self, boards: Iterable[Interfaces], devices: Iterable[RosDevice], package: str
     ) -> None:
-        self._made = tuple(made)
+        self._interfaces = tuple(boards)
         self.devices = tuple(devices)
         self._package = package
         self._marshallers: dict[int, str] = {}
@@ -82,11 +82,11 @@ class Boards:
     @property
     def findings(self) -> list[Diagnostic]:
         """The functions that are no services."""
-        return [finding for each in self._made for finding in each.findings]
+        return [finding for each in self._interfaces for finding in each.findings]
 
     @property
     def _joins(self) -> Iterator[RtcJoin]:
-        for each in self._made:
+        for each in self._interfaces:
             yield from each.board.plan.joins
 
     def completed(self, system: System, *, alone: bool) -> System:
@@ -106,7 +106,7 @@ class Boards:
 
     def services(self, running: runtime.System) -> Iterator[Served]:
         """Yield the services of boards whose marshallers are in this process."""
-        for each in self._made:
+        for each in self._interfaces:
             messages = message_classes(each.model)
             structs = self._structs(each, messages)
             names = {
@@ -131,17 +131,21 @@ class Boards:
                 answer = answering(service, port, method, structs, response)
                 yield Served(service, request, response, instance, answer)
 
-    def _structs(self, made: Interfaces, messages: Mapping[str, type[Any]]) -> Classes:
+    def _structs(
+        self, services: Interfaces, messages: Mapping[str, type[Any]]
+    ) -> Classes:
         """Return the classes of structs in CDL, and those of their messages."""
-        records = {r.struct.name for each in made.board.layouts for r in each.records}
+        records = {
+            r.struct.name for each in services.board.layouts for r in each.records
+        }
         if not records:
             return {}
-        name = f"{self._package}.{made.board.plan.name}._types"
+        name = f"{self._package}.{services.board.plan.name}._types"
         types = import_module(name)
         return {
             tag: (getattr(types, struct_class(tag)), messages[message])
             for tag in records
-            if (message := made.messages.get(tag)) is not None
+            if (message := services.messages.get(tag)) is not None
         }
 
 
@@ -154,9 +158,9 @@ def of_project(project: Project) -> Boards | None:
     read = compilation.read(boards, lowered=True)
     if has_errors(read.diagnostics):
         raise InputError([d for d in read.diagnostics if has_errors([d])])
-    made = interfaces(read.model, project.package)
+    of_boards = interfaces(read.model, project.package)
     nodes = devices(read.model) if read.model.buses else []
-    return Boards(made, nodes, project.package) if made or nodes else None
+    return Boards(of_boards, nodes, project.package) if of_boards or nodes else None
 
 
 def _marshaller(system: System, join: RtcJoin, joins: Iterable[RtcJoin]) -> str | None:
@@ -272,13 +276,13 @@ def answering(
             reason = str(error)
             if returns_code:
                 values = {RETURNED: _code(error)}
-        made = blank(response._descriptor_)
+        message = blank(response._descriptor_)
         for field, value in (
             *((SUCCESS, not reason), (MESSAGE, reason)),
             *values.items(),
         ):
-            setattr(made, field, value)
-        return made
+            setattr(message, field, value)
+        return message
 
     return answer
 
