@@ -1,4 +1,4 @@
-"""The command `rtgen convert`: writes a component or a system in another form."""
+"""The command `rtgen convert`: writes a component, a system or a bus in another form."""
 
 from __future__ import annotations
 
@@ -8,6 +8,8 @@ import click
 
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
+from rtgen.compiler.project import is_bus_file
+from rtgen.tools.can.dbc.conversion import OF_BUSES, converted_bus
 from rtgen.tools.components.conversion import OF_COMPONENTS, OF_SYSTEMS, converted
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
@@ -18,9 +20,9 @@ from rtgen.tools.kit.exits import OK
 @click.option(
     "--to",
     "to",
-    type=click.Choice((*OF_COMPONENTS, *OF_SYSTEMS)),
+    type=click.Choice((*OF_COMPONENTS, *OF_SYSTEMS, *OF_BUSES)),
     metavar="FORM",
-    help="idl, rtc-xml, rtc-yaml, rts-xml or rts-yaml; of a module, idl by default.",
+    help="idl, rtc-xml, rtc-yaml, rts-xml, rts-yaml, dbc; by default idl or, of a bus, dbc.",
 )
 @click.option(
     "--component",
@@ -44,14 +46,18 @@ def convert(
     output: str | None,
     include: tuple[str, ...],
 ) -> int:
-    """Convert a component or a system to another format, on standard output.
+    """Convert a component, a system or a bus to another format, on standard output.
 
     FILE is a definition with a component (*.idl), an RtcProfile (RTC.xml, or the YAML that
-    rtc-template writes), an RtsProfile (XML, or the YAML of rtshell), or a module of
-    OpenRTM-aist-Python (*.py), generated or written by hand: nothing of it is executed, and what
-    only running it would tell is reported. A profile of the wanted format is copied unchanged.
+    rtc-template writes), an RtsProfile (XML, or the YAML of rtshell), a bus file (*.toml), or a
+    module of OpenRTM-aist-Python (*.py), generated or written by hand: nothing of it is executed,
+    and what only running it would tell is reported. A profile of the wanted format is copied
+    unchanged.
     """
-    result = converted(console, file, to, component, include)
+    if is_bus_file(Path(file)):
+        result = converted_bus(console, Path(file), to)
+    else:
+        result = converted(console, file, to, component, include)
     if output is None:
         write_out(result.content)
         return OK

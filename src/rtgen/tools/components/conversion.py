@@ -24,12 +24,12 @@ from rtgen.tools.kit.exits import BAD_INPUT, Refusal, ReportedError
 OF_COMPONENTS = ("idl", "rtc-xml", "rtc-yaml")
 OF_SYSTEMS = ("rts-xml", "rts-yaml")
 _MODULES = (".py", ".pyw")
-_ENDINGS = {"idl": ".idl", "xml": ".xml", "yaml": ".yaml"}
+_ENDINGS = {"idl": ".idl", "xml": ".xml", "yaml": ".yaml", "dbc": ".dbc"}
 
 
 @dataclass(frozen=True, slots=True)
 class Converted:
-    """A component or system in its new form; `name` is that of its file."""
+    """A component, system or bus in its new form; `name` is that of its file."""
 
     name: str
     content: str | bytes
@@ -85,7 +85,7 @@ def adopted_as(
     from rtgen.compiler.project import load
     from rtgen.tools.components.adopted import adopted
 
-    _require_form(form, OF_COMPONENTS, "a component")
+    require_form(form, OF_COMPONENTS, "a component")
     adoption = adopted(path, [Path(folder) for folder in include])
     model, component = adoption.model, adoption.component
     _report(console, model, component, form, adoption.diagnostics, adoption.sources)
@@ -94,7 +94,8 @@ def adopted_as(
     return _in_form(model, component, form, load())
 
 
-def _require_form(form: str, forms: Sequence[str], what: str) -> None:
+def require_form(form: str, forms: Sequence[str], what: str) -> None:
+    """Raise InputError unless something has a form."""
     if form in forms:
         return
     from rtgen.compiler.project.rules import OTHER_FORM
@@ -103,7 +104,8 @@ def _require_form(form: str, forms: Sequence[str], what: str) -> None:
     raise InputError([OTHER_FORM.at(None, f"{what} has no form {form}", hint=hint)])
 
 
-def _named(name: str, form: str, content: str | bytes) -> Converted:
+def named(name: str, form: str, content: str | bytes) -> Converted:
+    """Return content in a form, with the name of its file."""
     return Converted(f"{name}{_ENDINGS[form.rpartition('-')[2]]}", content)
 
 
@@ -130,17 +132,17 @@ def _system(console: Console, path: Path, form: str) -> Converted:
     console.findings(diagnostics, read.sources)
     if read.system is None or has_errors(diagnostics):
         raise ReportedError(BAD_INPUT)
-    _require_form(form, OF_SYSTEMS, "a system")
+    require_form(form, OF_SYSTEMS, "a system")
     name, content = read.system.name, _content(path)
     is_yaml = path.suffix.lower() in YAML_SUFFIXES
     if is_yaml is form.endswith("yaml"):
-        return _named(name, form, content)
+        return named(name, form, content)
     if is_yaml:
         text = profile_tree.text_of(content, file, diagnostics.append)
-        return _named(name, form, profile_yaml.to_xml(text, file))
+        return named(name, form, profile_yaml.to_xml(text, file))
     root, _ = profile_tree.parse(content, file, diagnostics.append)
     assert root is not None
-    return _named(name, form, profile_yaml.to_yaml(root))
+    return named(name, form, profile_yaml.to_yaml(root))
 
 
 def _component(
@@ -149,7 +151,7 @@ def _component(
     from rtgen.compiler import compilation
     from rtgen.compiler.project import load, with_arguments
 
-    _require_form(form, OF_COMPONENTS, "a component")
+    require_form(form, OF_COMPONENTS, "a component")
     project = with_arguments(load(), paths=(str(path),), include=include)
     read = compilation.read(project, lowered=True)
     component = None
@@ -162,8 +164,8 @@ def _component(
         return _in_form(read.model, component, form, project)
     content = _content(path)
     if (path.suffix.lower() in YAML_SUFFIXES) is form.endswith("yaml"):
-        return _named(component.name[-1], form, content)
-    return _named(component.name[-1], form, _profile(path, content, form, project))
+        return named(component.name[-1], form, content)
+    return named(component.name[-1], form, _profile(path, content, form, project))
 
 
 def _profile(path: Path, content: bytes, form: str, project: Project) -> str:
@@ -209,8 +211,8 @@ def _in_form(
 
     name = component.name[-1]
     if form == "idl":
-        return _named(name, form, component_idl(model, component))
+        return named(name, form, component_idl(model, component))
     xml = component_profile(model, component, project)
     if form == "rtc-xml":
-        return _named(name, form, xml)
-    return _named(name, form, profile_yaml.to_yaml(located_xml.parse(xml, name)))
+        return named(name, form, xml)
+    return named(name, form, profile_yaml.to_yaml(located_xml.parse(xml, name)))

@@ -43,14 +43,14 @@ _SDO = 8
 _PREDEFINED_PDOS = range(0x180, 0x580)
 _ID_MASK = 0x7F
 
-_COMMANDS = {
+COMMAND_TEXTS = {
     NmtCommand.START: "start",
     NmtCommand.STOP: "stop",
     NmtCommand.ENTER_PRE_OPERATIONAL: "enter pre-operational",
     NmtCommand.RESET_NODE: "reset node",
     NmtCommand.RESET_COMMUNICATION: "reset communication",
 }
-_STATES = {
+STATE_TEXTS = {
     NmtState.INITIALISING: "boot-up",
     NmtState.STOPPED: "stopped",
     NmtState.OPERATIONAL: "operational",
@@ -219,7 +219,7 @@ class Decoder:
         if frame.remote or len(data) != 2 or data[1] > MAX_NODE_ID:
             return Decoded("nmt", None, "", f"no command: {_raw(frame)}")
         try:
-            text = _COMMANDS[NmtCommand(data[0])]
+            text = COMMAND_TEXTS[NmtCommand(data[0])]
         except ValueError:
             text = f"unknown command {data[0]:02X}h"
         return self._about("nmt", data[1], text)
@@ -259,11 +259,11 @@ class Decoder:
             text = f"unknown state {frame.data[0]:02X}h"
             return self._about("heartbeat", node_id, text)
         if frame.data[0] & 0x80:
-            text = f"{_STATES[state]} (toggle bit set)"
+            text = f"{STATE_TEXTS[state]} (toggle bit set)"
             return self._about("guarding", node_id, text)
         if state is NmtState.INITIALISING:
             self._booted(node_id)
-        return self._about("heartbeat", node_id, _STATES[state])
+        return self._about("heartbeat", node_id, STATE_TEXTS[state])
 
     def _booted(self, node_id: int) -> None:
         for key in [key for key in self._followers if key[0] == node_id]:

@@ -29,6 +29,21 @@ _COMMANDS: Final = (
     (0x8F, 0x07, "switch on"),
     (0x8F, 0x0F, "enable operation"),
 )
+_FREQUENT_BITS: Final = {0x6041: 0x16FF, 0x6040: 0x019F}
+_MODE_OBJECTS: Final = (0x6060, 0x6061)
+_MODES: Final = {
+    0: "no mode",
+    1: "profile position",
+    2: "velocity",
+    3: "profile velocity",
+    4: "profile torque",
+    6: "homing",
+    7: "interpolated position",
+    8: "cyclic synchronous position",
+    9: "cyclic synchronous velocity",
+    10: "cyclic synchronous torque",
+}
+"""Modes of operation (CiA 402-2, 6060h)."""
 
 
 def drive_words(index: int) -> Callable[[int], str] | None:
@@ -37,6 +52,25 @@ def drive_words(index: int) -> Callable[[int], str] | None:
         return None
     place = 0x6000 + (index - 0x6000) % _AXIS
     return {0x6041: state_words, 0x6040: command_words}.get(place)
+
+
+def value_names(index: int) -> dict[int, str]:
+    """Return the names of frequent values of this object of a drive; empty for another object.
+
+    Of a statusword and a controlword they are the words for values without bits of the modes of
+    operation and of manufacturers, other than bit 12 and bit 4 (new set-point).
+    """
+    if not 0x6000 <= index < 0xA000:
+        return {}
+    place = 0x6000 + (index - 0x6000) % _AXIS
+    if place in _MODE_OBJECTS:
+        return _MODES
+    words = drive_words(index)
+    bits = _FREQUENT_BITS.get(place)
+    if words is None or bits is None:
+        return {}
+    named = ((value, words(value)) for value in range(bits + 1) if not value & ~bits)
+    return {value: text for value, text in named if text}
 
 
 def state_words(statusword: int) -> str:

@@ -15,7 +15,7 @@ from rtgen.compiler.model.canopen import Access, Device, Value, resolved
 from rtgen.compiler.typemap.canopen.names import field_names
 from rtgen.compiler.typemap.canopen.values import kind
 from rtgen.runtime.canopen.description import Kind
-from rtgen.tools.can.decoding.drive_text import PROFILE, drive_words
+from rtgen.tools.can.decoding.drive_text import PROFILE, drive_words, value_names
 from rtgen.tools.kit.exits import Refusal
 
 Number = tuple[int, int]
@@ -34,7 +34,8 @@ class DescribedObject:
     """An object of a node.
 
     Physical value = `factor` * value; `factor` is None if the description has none. `words`
-    formats values that are more than a number, such as a statusword.
+    formats values that are more than a number, such as a statusword; `value_names` names
+    frequent values.
     """
 
     number: Number
@@ -46,6 +47,7 @@ class DescribedObject:
     low: int | float | None = None
     high: int | float | None = None
     words: Callable[[int], str] | None = None
+    value_names: Mapping[int, str] = field(default_factory=dict, repr=False)
 
     def __str__(self) -> str:
         return f"{written(self.number)} {self.name}".rstrip()
@@ -198,15 +200,8 @@ def read_node_index(
         result = front_end.load(bus_file, root=Path.cwd())
         findings += result.diagnostics
         bus = result.bus
-        for node in bus.nodes if bus else ():
-            kind = node.kind
-            nodes[node.id] = describe_node(
-                node.id,
-                node.name,
-                node.device,
-                units=dict(kind.units),
-                factors=dict(kind.factors),
-            )
+        if bus is not None:
+            nodes.update(bus_index(bus).nodes)
     described = []
     for node_id, path in descriptions:
         device, diagnostics = _described(node_id, path)
@@ -218,6 +213,21 @@ def read_node_index(
     for node_id, name, device in _named(described):
         nodes[node_id] = describe_node(node_id, name, device)
     return NodeIndex(nodes=dict(sorted(nodes.items())), bus=bus)
+
+
+def bus_index(bus: Bus) -> NodeIndex:
+    """Index the nodes of a bus."""
+    nodes = (
+        describe_node(
+            node.id,
+            node.name,
+            node.device,
+            units=dict(node.kind.units),
+            factors=dict(node.kind.factors),
+        )
+        for node in bus.nodes
+    )
+    return NodeIndex(nodes={node.id: node for node in nodes}, bus=bus)
 
 
 def _check_suffixes(
@@ -256,6 +266,7 @@ def describe_node(
             low=_limit(v.low, node_id),
             high=_limit(v.high, node_id),
             words=drive_words(v.index) if is_drive and not v.subindex else None,
+            value_names=value_names(v.index) if is_drive and not v.subindex else {},
         )
     return DescribedNode(id=node_id, name=name, device=device, objects=objects)
 

@@ -84,6 +84,12 @@ def code_text(code: int) -> str:
     return _CLASSES.get(high) or _CLASSES.get(high & 0xF0) or "unknown error"
 
 
+def known_codes() -> dict[int, str]:
+    """Return the meanings of the codes that CiA 301 defines; of a class, of its first code."""
+    classes = {high << 8: text for high, text in _CLASSES.items()}
+    return dict(sorted({**classes, **_EXACT}.items()))
+
+
 class Emergency(msgspec.Struct, frozen=True, gc=False):
     """An emergency message; code 0000h: errors have been cleared. `additional` has 5 octets."""
 
