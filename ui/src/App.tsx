@@ -1,6 +1,6 @@
 /** The page: what is running, the palette, the wiring, the panel of what is selected, and the time. */
 
-import { Tooltip } from "radix-ui";
+import * as Tooltip from "@radix-ui/react-tooltip";
 import { X } from "lucide-react";
 import { useCallback, useMemo, useState, useSyncExternalStore } from "react";
 import { Commands } from "./Commands.tsx";

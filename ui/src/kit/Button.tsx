@@ -1,6 +1,6 @@
 /** Buttons: with a text, or with an icon whose name and keys a tip shows. */
 
-import { Tooltip } from "radix-ui";
+import * as Tooltip from "@radix-ui/react-tooltip";
 import type { LucideIcon } from "lucide-react";
 import type { ButtonHTMLAttributes, ReactNode } from "react";
 

@@ -1,6 +1,7 @@
 /** Dialogs: a window over the page, and a question that must be answered before anything else. */
 
-import { AlertDialog, Dialog as Window } from "radix-ui";
+import * as AlertDialog from "@radix-ui/react-alert-dialog";
+import * as Window from "@radix-ui/react-dialog";
 import { X } from "lucide-react";
 import type { FormEvent, ReactNode } from "react";
 import { Button } from "./Button.tsx";

@@ -1,7 +1,7 @@
 /** All components of the page beside each other, at `#components`: to be looked at, and drawn by a test. */
 
 import { Pencil, Play, Plus, RotateCcw, Square, Undo2, X } from "lucide-react";
-import { Tooltip } from "radix-ui";
+import * as Tooltip from "@radix-ui/react-tooltip";
 import { useState } from "react";
 import { Menu } from "../Menu.tsx";
 import { Button, IconButton } from "./Button.tsx";
