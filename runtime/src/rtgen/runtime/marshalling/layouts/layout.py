@@ -150,7 +150,14 @@ ALIGNED = Position(4, 0)
 
 def steps_of(node: Node, start: Position) -> tuple[Step, ...]:
     """Return the layout of a value that begins at `start`."""
-    return _Arrangement(start).steps(fields_of(node))
+    return steps_of_fields(fields_of(node), start)
+
+
+def steps_of_fields(
+    fields: list[Field | Loop | Jump | Frame], start: Position
+) -> tuple[Step, ...]:
+    """Return the layout of consecutive values, the first of which begins at `start`."""
+    return _Arrangement(start).steps(fields)
 
 
 class Single(NamedTuple):
@@ -246,7 +253,7 @@ def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, int] | None:
     text, offset, most = "", 0, 1
     aligns = []
     for field in fields:
-        token, size, align = _token(field.node)
+        token, size, align = token_of(field.node)
         padding = -offset % align
         text += pad(padding) + token.partition("/")[0]
         offset += padding + size
@@ -258,7 +265,7 @@ def fixed_format(fields: tuple[Field, ...]) -> tuple[str, int, int, int] | None:
     return text + pad(padding), offset + padding, padding, most
 
 
-def _token(node: Placed | Repeat) -> tuple[str, int, int]:
+def token_of(node: Placed | Repeat) -> tuple[str, int, int]:
     """Return (token, size, alignment) of a value without a count."""
     match node:
         case Atom(size=size, align=align):
@@ -366,7 +373,7 @@ class _Arrangement:
                 section = _Section(self._position)
                 self._sections.append(section)
             self._position = section.add(
-                *_token(node), Entry(field, star=star), self._position
+                *token_of(node), Entry(field, star=star), self._position
             )
             return
         self._position = section.add(

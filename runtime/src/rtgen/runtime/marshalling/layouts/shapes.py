@@ -108,6 +108,20 @@ class Layout:
         )
 
 
+class Recurrent:
+    """Layout of a whole value with several texts: `pack_*` as in `Layout`, for the first shapes.
+
+    Later shapes have None: where lengths vary, making a shape takes ten times as long as the rest.
+    """
+
+    __slots__ = ("pack_big", "pack_little")
+
+    def __init__(self, run: Run) -> None:
+        texts = [section.text for section in run.sections]
+        self.pack_little = _FirstShapes("<", *texts)
+        self.pack_big = _FirstShapes(">", *texts)
+
+
 class PhasedLayout:
     """Layout of a run whose start offset is known only at run time.
 
@@ -192,6 +206,14 @@ class _Table(dict[Any, _V], ABC):
 class _Shapes(_Table[Callable[..., bytes]]):
     def _new(self, key: Any) -> Callable[..., bytes]:
         return self._packing(0, key if isinstance(key, tuple) else (key,))
+
+
+class _FirstShapes(_Table[Callable[..., bytes] | None]):
+    def __missing__(self, key: Any) -> Callable[..., bytes] | None:
+        return super().__missing__(key) if len(self) < SHAPES_KEPT else None
+
+    def _new(self, key: Any) -> Callable[..., bytes]:
+        return self._packing(0, key)
 
 
 class _FramedShapes(_Table[Callable[..., bytes]]):

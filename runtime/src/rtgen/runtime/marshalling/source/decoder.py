@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.runtime.marshalling.layouts.headers import next_member, next_parameter
 from rtgen.runtime.marshalling.layouts.layout import (
     ALIGNED,
@@ -13,7 +12,6 @@ from rtgen.runtime.marshalling.layouts.layout import (
     Jump,
     Loop,
     Run,
-    Section,
     Step,
     steps_of,
 )
@@ -34,18 +32,18 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     Parameter,
     Path,
     Records,
+    Repeat,
     Text,
     TextArray,
     TextSequence,
 )
-from rtgen.runtime.marshalling.layouts.shapes import Layouts
+from rtgen.runtime.marshalling.layouts.overlapping import Overlapping, overlapping
 from rtgen.runtime.marshalling.octets import nested, read_reference
-from rtgen.runtime.marshalling.source.bulk import Arrays, Sequences, Structured
+from rtgen.runtime.marshalling.source.bulk import Arrays
 from rtgen.runtime.marshalling.source.conversions import Conversions, each
-from rtgen.runtime.marshalling.source.position import Position
 from rtgen.runtime.marshalling.source.references import References
 from rtgen.runtime.marshalling.source.repeated import Repeated
-from rtgen.runtime.marshalling.source.text import Body, Locals
+from rtgen.runtime.marshalling.source.sections import Sections
 
 EMPTY_ELEMENTS = 65536
 """Maximum number of elements without octets in a collection."""
@@ -54,16 +52,12 @@ _MAX_COMPARED = 8
 """Maximum number of ids that are compared one by one."""
 
 
-class Decoder(Position):
+class Decoder(Sections):
     """Generates the body of `from_cdr`, or of a function that reads at an offset."""
 
     def __init__(self, references: References) -> None:
-        super().__init__(Body(references.namespace))
-        self._refer = references
+        super().__init__(references)
         self._convert = Conversions(references.namespace)
-        self._layouts = Layouts()
-        self._locals = Locals(references.namespace)
-        self._readers = 0
         self.cut = False
         """Whether `data` is only a part of the data in some branch."""
 
@@ -345,121 +339,6 @@ class Decoder(Position):
         self.body.choose(name, name, Arrays(node), "made")
         return name
 
-    def _run(self, run: Run, prefix: Path) -> None:
-        readers = []
-        for section in run.sections:
-            if not section.bulk:
-                self._readers += 1
-                readers.append(f"read_{self._readers}")
-        targets = ", ".join(readers) if len(readers) > 1 else f"({readers[0]},)"
-        number = self._layouts.variable("readers", run)
-        self.body.choose(targets, number, self._layouts.of(run), "read")
-        remaining = iter(readers)
-        for section in run.sections:
-            if section.bulk and section.counted is not None:
-                self._take(section.counted, prefix, "offset")
-                self._offset = None
-            else:
-                self._section(section, next(remaining), prefix)
-
-    def _take(self, field: Field, prefix: Path, end: str) -> None:
-        """Generate the items of a sequence, read in one piece; the next offset is in `end`."""
-        node = field.node
-        assert isinstance(node, AtomSequence | Records)
-        path = (*prefix, *field.path)
-        layout = Sequences(node) if isinstance(node, AtomSequence) else Structured(node)
-        take = self._locals.name(path, "take_")
-        self.body.choose(take, take, layout, "take")
-        name, count = self._locals.name(path), self._locals.name(path, "n_")
-        self.body.add(f"{name}, {end} = {take}(data, {self._place()}, {count})")
-
-    def _section(self, section: Section, reader: str, prefix: Path) -> None:
-        targets = self._targets(section.entries, prefix)
-        place = "" if self._offset == 0 else f", {self._place()}"
-        if section.settled:
-            self._assign(targets, f"{reader}(data{place})")
-            self._advance(section.size)
-        else:
-            body = self.body
-            counted = section.counted
-            long = counted is not None and getattr(counted.node, "form", "") == "array"
-            if long:
-                assert counted is not None
-                count = self._locals.name((*prefix, *counted.path), "n_")
-                rest = [e for e in section.entries if e.field is not counted or e.count]
-                body.block(f"if {count} > {MAX_LIST_LENGTH}:")
-                self._take(counted, prefix, "_")
-                key = self._key(section, prefix, "-")
-                body.add(f"unpack, size = {reader}[{key}]")
-                if rest:
-                    skipped = self._targets(tuple(rest), prefix)
-                    body.add(f"{skipped} = unpack(data{place})")
-                body.end()
-                body.block("else:")
-            body.add(f"unpack, size = {reader}[{self._key(section, prefix)}]")
-            self._assign(targets, f"unpack(data{place})")
-            if long:
-                body.end()
-            if self._offset is None:
-                self.body.add("offset += size")
-            else:
-                self.body.add(
-                    f"offset = {self._offset} + size"
-                    if self._offset
-                    else "offset = size"
-                )
-                self._offset = None
-        for entry in section.entries:
-            self._check(entry, prefix)
-
-    def _assign(self, targets: str, call: str) -> None:
-        if targets.startswith("(*"):
-            self.body.add(f"{targets[2:-2]} = list({call})")
-        else:
-            self.body.add(f"{targets} = {call}")
-
-    def _key(self, section: Section, prefix: Path, sign: str = "") -> str:
-        count = "0"
-        if section.counted is not None:
-            name = self._locals.name((*prefix, *section.counted.path), "n_")
-            count = f"{sign}{name}"
-        if section.known:
-            return count
-        phase = f"{self._place()} & 7"
-        return phase if section.counted is None else f"{count} << 3 | {phase}"
-
-    def _targets(self, entries: tuple[Entry, ...], prefix: Path) -> str:
-        names = []
-        for entry in entries:
-            name = self._name(entry, prefix)
-            names.append(f"*{name}" if entry.star else name)
-            names += self._further(entry, prefix)
-        if len(names) > 1:
-            return ", ".join(names)
-        return f"({names[0]},)"
-
-    def _name(self, entry: Entry, prefix: Path = ()) -> str:
-        path = (*prefix, *entry.field.path)
-        return self._locals.name(path, "n_" if entry.count else "")
-
-    def _further(self, entry: Entry, prefix: Path = ()) -> list[str]:
-        """Return the variable for the last octet of a string, which `struct` reads separately."""
-        if entry.count or getattr(entry.field.node, "text", None) is not Text.STRING:
-            return []
-        return [self._locals.name((*prefix, *entry.field.path), "nul_")]
-
-    def _check(self, entry: Entry, prefix: Path) -> None:
-        """Generate the check of the bound, directly after reading the count."""
-        node = entry.field.node
-        bound = (
-            node.most
-            if isinstance(node, TextSequence)
-            else getattr(node, "bound", None)
-        )
-        if entry.count and bound is not None:
-            count = self._locals.name((*prefix, *entry.field.path), "n_")
-            self.refuse(f"{count} > {bound}")
-
     def _loop(self, loop: Loop, path: Path) -> None:
         node = loop.node
         self._settle()
@@ -471,6 +350,11 @@ class Decoder(Position):
             self.refuse(f"{least} > {most}", "a length beyond the end")
         items = self._locals.name(path)
         self.body.add(f"{items} = {'{}' if node.key is not None else '[]'}")
+        if node.key is None and node.length is None:
+            runs = overlapping(node.element)
+            if runs is not None:
+                self._overlapping(runs, node, path, count)
+                return
         self.body.block(f"for _ in range({count}):")
         if node.key is not None:
             self.steps(loop.key_steps, (*path, "{}"))
@@ -486,6 +370,34 @@ class Decoder(Position):
         self.body.end()
         if node.key is not None:
             self.refuse(f"len({items}) != {count}", "a key that is there twice")
+
+    def _overlapping(
+        self, runs: Overlapping, node: Repeat, path: Path, count: str
+    ) -> None:
+        """Generate the elements of a sequence, each read with the beginning of the next."""
+        body = self.body
+        inner = (*path, "[]")
+        body.block(f"if {count}:")
+        self._run(runs.first, inner)
+        *readers, reader = self._chosen(runs.rest)
+        (last,) = self._chosen(runs.last)
+        each_reader = self._locals.name(path, "read_")
+        body.block(f"for {each_reader} in [{reader}] * ({count} - 1) + [{last}]:")
+        *sections, final = runs.rest.sections
+        for section, read in zip(sections, readers, strict=True):
+            self._section(section, read, inner)
+        self._following = runs.following
+        self._section(final, each_reader, inner)
+        self._following = ()
+        value = self.value(node.element, inner)
+        body.add(f"{self._locals.name(path)}.append({value})")
+        for entry in runs.following:
+            if not entry.count:
+                field = (*inner, *entry.field.path)
+                following = self._locals.name(field, "next_")
+                body.add(f"{self._locals.name(field)} = {following}")
+        body.end()
+        body.end()
 
     def _records(self, node: Records, path: Path) -> str:
         records = self._layouts.variable("records", node)

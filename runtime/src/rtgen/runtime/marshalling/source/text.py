@@ -34,6 +34,7 @@ _FIXED = frozenset(
         "len",
         "list",
         "memoryview",
+        "packed",
         "range",
     }
 )
