@@ -271,6 +271,9 @@ ROWS: Mapping[str, tuple[Row, ...]] = {
     "can send file": (Row(f"can send --file @ {OFFLINE}", *LOG),),
     "can send bus_file": (Row(f"can send 1#00 --bus @ {OFFLINE}", *BUS),),
     "can send descriptions": (Row(f"can send 1#00 --eds 1=@ {OFFLINE}", *EDS),),
+    "can scan output": (
+        Row(f"can scan --for 0.1 --eds 1 -o @ {OFFLINE}", ".eds", kind="written"),
+    ),
     "can scan bus_file": (Row(f"can scan --for 0.1 --bus @ {OFFLINE}", *BUS),),
     "can scan descriptions": (Row(f"can scan --for 0.1 --eds 1=@ {OFFLINE}", *EDS),),
     "can sdo file": (

@@ -7,6 +7,12 @@ from dataclasses import dataclass, field
 
 import click
 
+from rtgen.cli.can.node_file import (
+    NodeFileOptions,
+    describe_node,
+    node_to_read,
+    with_node_file,
+)
 from rtgen.cli.can.options import with_bus, with_nodes
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
@@ -48,6 +54,7 @@ class _Row:
     "--no-lss", is_flag=True, help="Do not search for nodes without a node-id."
 )
 @click.option("--json", "as_json", is_flag=True, help="Print JSON.")
+@with_node_file
 @with_nodes
 @with_bus
 @with_console
@@ -55,6 +62,7 @@ def scan_(
     console: Console,
     access: BusAccess,
     node_files: NodeFiles,
+    reading: NodeFileOptions,
     seconds: float,
     no_lss: bool,
     as_json: bool,
@@ -64,7 +72,14 @@ def scan_(
     The device type of each node-id is read by SDO, then identity and name of nodes that respond;
     heartbeats reveal nodes that do not serve SDO now. LSS fastscan finds nodes without a node-id,
     and does not change them. Exit code 1: with --bus or --eds, a node is missing or different.
+
+    --eds NODE reads the objects of a node without a description into an EDS: it writes nothing to
+    the node, takes the EDS that the node has stored, and marks what is a guess. Ctrl-C leaves a
+    partial file, which says so.
     """
+    node, node_files = node_to_read(node_files)
+    if node is not None:
+        return describe_node(console, access, node_files, node, seconds, reading)
     node_index = node_files.read(console)
     with opened(access.on(node_index)) as bus:
         nodes, strangers = scanned(bus, seconds), list[LssAddress]()

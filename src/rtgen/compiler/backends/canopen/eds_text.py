@@ -12,6 +12,7 @@ import math
 import re
 import struct
 from collections.abc import Iterator, Mapping, Sequence
+from types import MappingProxyType
 from typing import TypeAlias
 
 from rtgen.compiler.backends.kit.quoting.properties import eds_line
@@ -47,15 +48,21 @@ _Pair: TypeAlias = tuple[str, str]
 _Section: TypeAlias = tuple[str, list[_Pair]]
 
 
-def eds_text(device: Device, header: Sequence[str] = ()) -> str:
+def eds_text(
+    device: Device,
+    header: Sequence[str] = (),
+    remarks: Mapping[str, str] = MappingProxyType({}),
+) -> str:
     """Return the file of a device: a DCF if it has a commissioning.
 
-    `header` are lines of comment.
+    `header` are lines of comment, `remarks` those before sections, by their names.
     """
     lines = [f"; {line}" for line in header]
     for name, pairs in _sections(device):
         if lines and not _SUB_OBJECT.fullmatch(name):
             lines.append("")
+        if name in remarks:
+            lines.append(eds_line(f"; {remarks[name]}"))
         lines.append(f"[{name}]")
         lines += [eds_line(f"{key}={value}") for key, value in pairs]
     return "\n".join(lines) + "\n"

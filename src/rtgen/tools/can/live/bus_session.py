@@ -100,14 +100,19 @@ class BusSession(msgspec.Struct, eq=False):
         timeout: int,
         block: bool,
         cob_ids: tuple[CobId, CobId] | None = None,
+        longest: int = sdo.MAX_SIZE,
     ) -> bytes:
         """Read an object by SDO upload. Raises SdoAbort, SilentError and ToolError.
 
         `timeout` is for each response, in ns. A server without block transfer is asked again by
-        segments. `cob_ids` are those of a further server.
+        segments. `cob_ids` are those of a further server. A value of more than `longest` octets is
+        aborted. Ctrl-C ends the transfer at the
+        server too.
         """
         try:
-            client = SdoClient(node_id, timeout=timeout, cob_ids=cob_ids)
+            client = SdoClient(
+                node_id, timeout=timeout, cob_ids=cob_ids, max_size=longest
+            )
             now = time.monotonic_ns()
             return self._transfer(
                 client, client.upload(index, subindex, now, block=block)
@@ -116,7 +121,13 @@ class BusSession(msgspec.Struct, eq=False):
             if not block or abort.code != sdo.COMMAND_UNKNOWN:
                 raise
         return self.upload(
-            node_id, index, subindex, timeout=timeout, block=False, cob_ids=cob_ids
+            node_id,
+            index,
+            subindex,
+            timeout=timeout,
+            block=False,
+            cob_ids=cob_ids,
+            longest=longest,
         )
 
     def download(
@@ -148,8 +159,12 @@ class BusSession(msgspec.Struct, eq=False):
 
     def _transfer(self, client: SdoClient, frames: list[Frame]) -> bytes:
         answered = _Answered(client)
-        self.send(frames)
-        self.run([answered])
+        try:
+            self.send(frames)
+            self.run([answered])
+        except KeyboardInterrupt:
+            self.send(client.cancel(time.monotonic_ns()))
+            raise
         try:
             return client.result()
         except SdoAbort as abort:
