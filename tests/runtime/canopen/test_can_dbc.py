@@ -118,6 +118,14 @@ def described(file: Path) -> Written:
     return result
 
 
+ONE_NODE = """[bus]
+bit_rate = 500
+[device.d]
+eds = "d.eds"
+[node.n]
+device = "d"
+id = 5
+"""
 UNITS = ("", "rad", "°C", "µm", "m/s²")
 TYPES = (1, 2, 3, 4, 5, 6, 7, 8, 9, 0xA, 0xB, 0xC, 0xD, *range(0x10, 0x17))
 TYPES += (*range(0x18, 0x1C), 0xA0)
@@ -380,10 +388,7 @@ def test_object_that_is_mapped_twice(tmp_path: Path) -> None:
     (tmp_path / "d.eds").write_text(
         eds([Thing("Speed", 6)], {1: [entry(0x2000, 16)] * 2}), encoding="utf-8"
     )
-    (tmp_path / "bus.toml").write_text(
-        '[bus]\nbit_rate = 500\n[device.d]\neds = "d.eds"\n[node.n]\ndevice = "d"\nid = 5\n',
-        encoding="utf-8",
-    )
+    (tmp_path / "bus.toml").write_text(ONE_NODE, encoding="utf-8")
     of = described(tmp_path / "bus.toml")
     assert of.raw(Frame(0x185, b"\1\0\2\0")) == {"Speed": 1, "Speed_2": 2}
 
@@ -400,3 +405,24 @@ def test_names_that_a_file_cannot_have() -> None:
         f"{'x' * 27}_0000": f"{'x' * 27}_0000",
     }
     assert quoted('a "b"\n\\c €') == "\"a 'b' /c ?\""
+
+
+def test_multiplexed_pdo(tmp_path: Path) -> None:
+    """Address, then the object by its number, as the monitor shows it."""
+    text = eds([Thing("Speed", 3), Thing("Set point", 8)], {1: []})
+    section = (
+        "[1A00sub0]\nParameterName=Number of entries\nObjectType=7\nDataType=0x0005"
+    )
+    section += "\nAccessType=rw\nDefaultValue="
+    assert f"{section}0" in text
+    text = text.replace(f"{section}0", f"{section}254")
+    (tmp_path / "d.eds").write_text(text, encoding="utf-8")
+    (tmp_path / "bus.toml").write_text(ONE_NODE, encoding="utf-8")
+    of = described(tmp_path / "bus.toml")
+    frame = Frame(0x185, bytes.fromhex("8500200000feff00"))
+    assert of.raw(frame)["Speed"] == -512
+    values = of.message(frame).decode(frame.data)
+    assert isinstance(values, dict)
+    assert str(values["object"]) == "2000:0 Speed"
+    frame = Frame(0x185, bytes.fromhex("850120000000803f"))
+    assert of.raw(frame) == {"address": 0x85, "object": 0x2001, "Set_point": 1.0}
