@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import importlib
 import random
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -15,6 +16,7 @@ from can_commands import command
 from can_nodes import SPECS, nodes
 from eds_files import Thing, entry
 from eds_files import eds as eds_of
+from generated_projects import project
 from random_buses import Identifiers, RandomDevice
 from slaves import Slave
 from stations import Recorder
@@ -22,7 +24,7 @@ from stations import Recorder
 from rtgen.compiler.diagnostics import has_errors
 from rtgen.compiler.frontends import eds
 from rtgen.compiler.model.canopen import Device, PdoDirection
-from rtgen.runtime import RealClock
+from rtgen.runtime import ACTIVE_STATE, SECOND, RealClock, SampleRecord, System
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.frames import SDO_REQUEST, Frame
@@ -314,3 +316,38 @@ def test_ranges_are_checked(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -
     for text in ("2000-1FFF", "x", "0-10", "2000-10000"):
         assert scanned(channel(), tmp_path / "x.eds", "--range", text) == 2
         assert "is not FROM-TO" in capfd.readouterr().err
+
+
+@pytest.mark.waits
+def test_a_proxy_of_the_file_works_with_the_node(tmp_path: Path) -> None:
+    line, work = channel(), tmp_path / "project"
+    work.mkdir()
+    with nodes(line, {NODE: "f_palette"}) as made:
+        assert scanned(line, work / "unknown.eds", *AREAS) == 0
+        text = (work / "unknown.eds").read_text()
+        with project(work, {"unknown.eds": text}):
+            module = importlib.import_module("mine.components.unknown_proxy")
+            system = System(RealClock())
+            proxy = module.UnknownProxy("proxy")
+            for name, value in {"channel": line, "node_id": NODE, "master": 1}.items():
+                proxy.configuration_sets.set(name, str(value))
+            samples: list[SampleRecord] = []
+
+            def note(record: object) -> None:
+                if isinstance(record, SampleRecord) and record.port.startswith("tpdo"):
+                    samples.append(record)
+
+            system.add_listener(note)
+            try:
+                system.add(proxy, 100.0)
+                system.activate("proxy")
+                limit = system.time + 20 * SECOND
+                assert system.run(limit, until=lambda _: bool(samples)), proxy.reason
+                assert system.state("proxy") is ACTIVE_STATE
+                vendor = read(work / "unknown.eds").find(0x1018, 1)
+                assert vendor is not None
+                octets = proxy.sdo.call("read", (0x1018, 1))
+                assert int.from_bytes(octets, "little") == vendor.default == 0x00FFFF01
+                assert made[NODE].state.name == "OPERATIONAL"
+            finally:
+                system.close()
