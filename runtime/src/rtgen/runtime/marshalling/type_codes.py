@@ -54,6 +54,8 @@ _NATIVE, _ABSTRACT, _LOCAL, _COMPONENT, _HOME, _EVENT = 31, 32, 33, 34, 35, 36
 _INDIRECTION = 0xFFFFFFFF
 STRINGS = _STRING, _WSTRING
 """Kinds whose parameter is a bound."""
+AGGREGATED = _STRUCT, _UNION
+"""Kinds of structs and unions."""
 FIXED = _FIXED
 """Kind whose parameters are digits and scale."""
 ENCAPSULATED = frozenset(range(_OBJREF, _EVENT + 1)) - {
@@ -107,6 +109,10 @@ def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
     octets = _WRITTEN.get((id(descriptor), little_endian))
     if octets is not None:
         return octets[1:]
+    if isinstance(descriptor, StringDescriptor):
+        bound = descriptor.bound or 0
+        parameters = bound.to_bytes(4, "little" if little_endian else "big")
+        return _WSTRING if descriptor.wide else _STRING, parameters
     writer = _Writer()
     writer.type(descriptor, little_endian)
     kind = struct.unpack_from("<I" if little_endian else ">I", writer.out)[0]
@@ -114,6 +120,13 @@ def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
     if isinstance(descriptor, Named) and len(parameters) <= _MAX_CACHED_OCTETS:
         _keep(_WRITTEN, (id(descriptor), little_endian), (descriptor, kind, parameters))
     return kind, parameters
+
+
+def known_type(kind: int, encapsulation: bytes) -> Descriptor | None:
+    """Return the type of a type code that was read before; None for another one."""
+    if len(encapsulation) > _MAX_CACHED_OCTETS:
+        return None
+    return _READ_EXACTLY.get((kind, encapsulation))
 
 
 def type_of_code(kind: int, encapsulation: bytes) -> Descriptor:

@@ -158,7 +158,7 @@ class Reader(OctetReader):
             case "Object":
                 return self._reference()
             case "any":
-                return self._any()
+                return self.any()
             case "CORBA::TypeCode":
                 return self._type_code()
             case "ValueBase":
@@ -277,7 +277,8 @@ class Reader(OctetReader):
 
     # Any and type codes.
 
-    def _any(self) -> Any:
+    def any(self) -> Any:
+        """Return an `any`."""
         type_ = self._type_code()
         described = plain(type_)
         try:

@@ -200,7 +200,7 @@ class Writer:
             case "Object":
                 self._reference(value)
             case "any":
-                self._any(value)
+                self.any(value)
             case "CORBA::TypeCode":
                 self._type_code(value)
             case "ValueBase":
@@ -350,7 +350,8 @@ class Writer:
 
     # Any and type codes.
 
-    def _any(self, value: Any) -> None:
+    def any(self, value: Any) -> None:
+        """Append an `any`."""
         if getattr(value, "_descriptor_", None) is not ANY:
             raise Fault(f"an AnyValue is needed, not {type(value).__name__}")
         self._type_code(value.type)

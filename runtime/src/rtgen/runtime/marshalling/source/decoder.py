@@ -128,7 +128,7 @@ class Decoder(Sections):
                     if isinstance(node, Call):
                         read = self._refer.reader(node.type)
                     elif isinstance(node, Dynamic):
-                        read = self._refer.dynamic_reader()
+                        read = self._refer.dynamic_reader(node.type)
                         described = self._refer.descriptor(node.type)
                         arguments = f"data, offset, {described}, little_endian"
                     else:

@@ -101,7 +101,7 @@ class Encoder(Fields):
                 case Jump(path=path, node=Dynamic() as dynamic):
                     value = self._value((*prefix, *path))
                     described = self._refer.descriptor(dynamic.type)
-                    write = self._refer.dynamic_writer()
+                    write = self._refer.dynamic_writer(dynamic.type)
                     self.body.add(f"{write}(out, {value}, {described}, little_endian)")
                 case Jump(path=path):
                     value = self._value((*prefix, *path))

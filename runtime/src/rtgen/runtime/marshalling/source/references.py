@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rtgen.runtime.marshalling.descriptors import ANY
 from rtgen.runtime.marshalling.layouts.formats import Format
 from rtgen.runtime.marshalling.layouts.trees import can_evolve
 from rtgen.runtime.marshalling.source.text import Namespace
@@ -56,14 +57,16 @@ class References:
         evolving = self.evolving and can_evolve(descriptor)
         return self.compiled("evolve" if evolving else "read", descriptor)
 
-    def dynamic_writer(self) -> str:
+    def dynamic_writer(self, descriptor: Any) -> str:
         """Return the function that appends a value whose type is known only at run time."""
+        from rtgen.runtime.marshalling.dynamic.anys import write_any
         from rtgen.runtime.marshalling.dynamic.writer import write_dynamic
 
-        return self.function(write_dynamic)
+        return self.function(write_any if descriptor == ANY else write_dynamic)
 
-    def dynamic_reader(self) -> str:
+    def dynamic_reader(self, descriptor: Any) -> str:
         """Return the function that reads a value whose type is known only at run time."""
+        from rtgen.runtime.marshalling.dynamic.anys import read_any
         from rtgen.runtime.marshalling.dynamic.reader import read_dynamic
 
-        return self.function(read_dynamic)
+        return self.function(read_any if descriptor == ANY else read_dynamic)
