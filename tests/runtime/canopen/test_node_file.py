@@ -23,7 +23,7 @@ from stations import Recorder
 
 from rtgen.compiler.diagnostics import has_errors
 from rtgen.compiler.frontends import eds
-from rtgen.compiler.model.canopen import Device, PdoDirection
+from rtgen.compiler.model.canopen import Device, PdoDirection, resolved
 from rtgen.runtime import ACTIVE_STATE, SECOND, RealClock, SampleRecord, System
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.wire import sdo
@@ -58,7 +58,7 @@ def channel() -> str:
 def read_back(source: Path, folder: Path, *options: str) -> Device:
     """Return the description that is read from a device of a file."""
     name, target = channel(), folder / "read.eds"
-    with nodes(name, {NODE: source}):  # type: ignore[dict-item]
+    with nodes(name, {NODE: source}):
         assert scanned(name, target, *(options or AREAS)) == 0
     return read(target)
 
@@ -67,7 +67,7 @@ def mappings(device: Device) -> dict[tuple[PdoDirection, int], tuple[Any, ...]]:
     return {
         (pdo.direction, pdo.number): (
             pdo.entries,
-            pdo.cob_id.of(NODE) if hasattr(pdo.cob_id, "of") else pdo.cob_id,
+            resolved(pdo.cob_id, NODE),
             pdo.transmission_type or 0,
         )
         for pdo in device.pdos
@@ -105,7 +105,7 @@ def test_drawn_devices_are_described(seed: int, tmp_path: Path) -> None:
     result = eds.load([source], root=tmp_path, node_id=NODE)
     (device,) = result.model.devices
     name, target = channel(), tmp_path / "read.eds"
-    with nodes(name, {NODE: source}) as made:  # type: ignore[dict-item]
+    with nodes(name, {NODE: source}) as made:
         assert scanned(name, target, *AREAS) == 0
         dictionary = made[NODE]
     copy = read(target)
@@ -203,13 +203,13 @@ def attached(slave: Slave) -> Iterator[tuple[str, Recorder]]:
     link = open_link(RealClock(), "virtual", name)
     with link.lock:
         link.attach(recorder)
-        link.attach(slave)  # type: ignore[arg-type]
-        link.send([slave.nmt.boot()], slave)  # type: ignore[arg-type]
+        link.attach(slave)
+        link.send([slave.nmt.boot()], slave)
     try:
         yield name, recorder
     finally:
         with link.lock:
-            link.detach(slave)  # type: ignore[arg-type]
+            link.detach(slave)
             link.detach(recorder)
 
 

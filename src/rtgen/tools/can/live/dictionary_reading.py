@@ -182,6 +182,8 @@ class DictionaryReader:
                 break
             if subindex > count and first is not None and self._echoes(index, subindex):
                 break
+        else:
+            self._drop(index, max(count, 1))
 
     def _perhaps(self, index: int) -> bool:
         """Return whether an object without sub-index 0 has others."""
@@ -189,6 +191,13 @@ class DictionaryReader:
             return False
         self._value((index, 1))
         return self.reading.exists((index, 1))
+
+    def _drop(self, index: int, last: int) -> None:
+        """Drop what follows the last subobject: the node answers for every sub-index."""
+        for subindex in range(last + 1, _LAST + 1):
+            for known in (self.reading.values, self.reading.refusals):
+                known.pop((index, subindex), None)
+            self.reading.long.discard((index, subindex))
 
     def _echoes(self, index: int, last: int) -> bool:
         """Drop subobjects that are all sub-index 0: the node ignores the sub-index of a value."""
