@@ -39,7 +39,7 @@ def description(name: str | Path) -> DeviceDescription:
 
 @contextmanager
 def nodes(
-    channel: str | Link, names: Mapping[int, str], serial: int = 0
+    channel: str | Link, names: Mapping[int, str | Path], serial: int = 0
 ) -> Iterator[dict[int, DeviceNode]]:
     """Yield booted slaves by node-id, on a virtual channel or a link.
 

@@ -304,12 +304,13 @@ def test_an_interruption_leaves_a_partial_file(
 
     monkeypatch.setattr(DictionaryReader, "_tell", interrupted)
     target = tmp_path / "part.eds"
-    with attached(Odd(NODE)) as (name, _):
-        assert scanned(name, target, "--range", "2000-2010") == 130
-    assert target.read_text().startswith("; PARTIAL: interrupted after 2003h")
+    with nodes(line := channel(), {NODE: "epos_drive"}):
+        assert scanned(line, target, "--range", "2000-2010") == 130
+    assert target.read_text().startswith("; PARTIAL: interrupted at 2003h")
     device = read(target)
-    assert device.find(0x2002) is not None
-    assert device.find(0x2004) is None
+    # Mapped objects come before the ranges.
+    assert device.find(0x6040) is not None
+    assert device.find(0x6502) is None
 
 
 def test_ranges_are_checked(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:

@@ -109,6 +109,7 @@ class DictionaryReader:
         self._no_first = False
         """Whether the last object read exists, but not its sub-index."""
         self._indices: set[int] = set()
+        self._index = DEVICE_TYPE[0]
 
     def read(
         self, ranges: Iterable[range], accepted: Callable[[bytes], bool]
@@ -135,7 +136,7 @@ class DictionaryReader:
         except _StopError as stop:
             reading.stopped = str(stop)
         except KeyboardInterrupt:
-            reading.stopped = f"interrupted after {max(self._indices, default=0):04X}h"
+            reading.stopped = f"interrupted at {self._index:04X}h"
         return reading
 
     def _stored(self, accepted: Callable[[bytes], bool]) -> bool:
@@ -166,6 +167,7 @@ class DictionaryReader:
         if index in self._indices or index < DEVICE_TYPE[0]:
             return
         self._indices.add(index)
+        self._index = index
         self._tell(index)
         first = self._value((index, 0))
         if first is not None and len(first) != 1:
