@@ -1,5 +1,6 @@
 """Texts and sequences whose lengths vary: the same octets as from the descriptors."""
 
+from decimal import Decimal
 from itertools import product
 from typing import Any
 
@@ -15,6 +16,15 @@ module v {
     typedef sequence<octet> Octets;
     typedef sequence<short> Shorts;
     typedef sequence<double> Doubles;
+    typedef sequence<wchar> Letters;
+    typedef sequence<fixed<9, 2> > Prices;
+    struct Mark { long id; octet level; };
+    typedef sequence<Mark> Marks;
+    struct Classic {
+        sequence<Letters> letter_rows; octet after_letters;
+        sequence<Prices> price_rows; octet after_prices;
+        sequence<Marks> mark_rows; octet after_marks;
+    };
     struct Pair { string key; string value; };
     struct Tagged { boolean good; long id; wstring name; string unit; octet last; };
     struct Numbered { long id; string name; };
@@ -92,6 +102,24 @@ def check(value: Any) -> None:
 def test_sequences_of_any_number_and_lengths(types: Any, number: int) -> None:
     for start in range(9):
         check(everything(types, range(start, start + number)))
+
+
+@pytest.mark.parametrize("counts", [(), (1,), (0, 2), (2, 1, 3), (4, 5), (1, 0)])
+@pytest.mark.parametrize("little_endian", [True, False])
+def test_rows_of_items_of_odd_sizes(
+    types: Any, counts: tuple[int, ...], little_endian: bool
+) -> None:
+    value = types.Classic(
+        [["a"] * n for n in counts],
+        1,
+        [[Decimal("1.00")] * n for n in counts],
+        2,
+        [[types.Mark(i, 7) for i in range(n)] for n in counts],
+        3,
+    )
+    octets = value.to_cdr(little_endian)
+    assert octets == encoded(value._descriptor_, value, little_endian)
+    assert types.Classic.from_cdr(octets, little_endian) == value
 
 
 def test_more_shapes_than_are_kept(types: Any) -> None:

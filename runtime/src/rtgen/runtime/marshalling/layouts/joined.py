@@ -24,6 +24,7 @@ from rtgen.runtime.marshalling.layouts.nodes import (
     AtomSequence,
     Field,
     Node,
+    Records,
     TextSequence,
 )
 from rtgen.runtime.marshalling.layouts.shapes import SHAPES_KEPT
@@ -93,7 +94,7 @@ def aligned_element(element: Node) -> Run | None:
         return None
     if not has_count(first) and token_of(first)[2] != 4:
         return None
-    if not _ends_aligned(run):
+    if size_at_end(run) is None or not _ends_aligned(run):
         return None
     padded = msgspec.structs.replace(last, text=f"{last.text} 0I")
     return msgspec.structs.replace(run, sections=(*run.sections[:-1], padded))
@@ -116,11 +117,16 @@ def _tail(run: Run) -> list[Field]:
     return list(run.fields[places[-1] + 1 :])
 
 
-def size_at_end(run: Run) -> int:
-    """Return the size of the items that end a run, at most 4; 4 if other values end it."""
+def size_at_end(run: Run) -> int | None:
+    """Return the size of each item that ends a run; 4 if other values end it.
+
+    None if the size of the items also depends on something else than their number.
+    """
     match run.fields[-1].node:
         case TextSequence():
             return 1
         case AtomSequence(atom=atom):
-            return min(atom.size, 4)
+            return atom.size
+        case Records(length=None, stride=stride, padding=padding):
+            return None if padding else stride
     return 4

@@ -267,7 +267,8 @@ class Encoder(Fields):
         body.end()
         body.add(f'out += b"".join({parts})')
         size = size_at_end(run)
-        if size < 4:
+        assert size is not None
+        if size % 4:
             count = self._locals.name((*inner, *run.fields[-1].path), "n_")
             times = "" if size == 1 else f"{size} * "
             body.block(f"if {parts}:")
