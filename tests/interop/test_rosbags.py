@@ -108,9 +108,17 @@ def shipped() -> Model:
     return load(files, root=files[0].parents[2]).model
 
 
+NEWER_THAN_ROSBAGS = {("nav_msgs", "msg", "Goals")}
+"""Messages that later releases of Jazzy have; tests/ros2 compares them with real ones."""
+
+
 def test_shipped_messages(model: Model, shipped: Model) -> None:
     """Members and constants of each are those of ROS 2, so octets and hashes are, too."""
-    compared = [s for s in shipped.declarations if s.name[1] == "msg"]
+    compared = [
+        s
+        for s in shipped.declarations
+        if s.name[1] == "msg" and s.name not in NEWER_THAN_ROSBAGS
+    ]
     assert len(compared) > 200
     for own in compared:
         theirs = model.find(own.name)
