@@ -6,7 +6,9 @@ What a driver sends on one topic comes back on another: by rclpy's executor and 
 InPort and an OutPort of rtgen. Messages are decoded, changed and encoded again. The driver is the
 same for all, a node of rclpy on Fast DDS. Latency is that of the way there and back, `cpu` the
 processor time of the node for each message, `found` the time until a node that starts gets the
-first message. Rounds alternate; figures are medians of rounds.
+first message. With mixed QoS, readers are best effort and writers reliable, and `found` is the time
+until a driver that joins late gets a message that was sent once (transient local). Rounds
+alternate; figures are medians of rounds.
 """
 
 from __future__ import annotations
@@ -30,18 +32,20 @@ ROUNDS = 5
 
 
 class Load(NamedTuple):
-    """Messages of a type: how many in a round, how many a second, and the octets of their data."""
+    """Messages of a type: how many in a round, how many a second, the octets of their data, QoS."""
 
     title: str
     type: str
     count: int
     rate: float
     octets: int
+    qos: str = "reliable"
 
 
 LOADS = (
     Load("1 kHz odometry", "nav_msgs/msg/Odometry", 3000, 1000.0, 0),
     Load("10 MB clouds", "sensor_msgs/msg/PointCloud2", 10, 2.0, 10_000_000),
+    Load("mixed QoS", "nav_msgs/msg/Odometry", 1000, 200.0, 0, "mixed"),
 )
 
 
@@ -77,9 +81,9 @@ def measured(ros2: Installation, kind: str, load: Load) -> Figures:
     """Run a node and the driver."""
     domain = own_domain()
     python = sys.executable if kind == "dds" else ros2.python
-    node = start(python, ros2, domain, "echo", kind, load.type)
+    node = start(python, ros2, domain, "echo", kind, load.type, load.qos)
     line(node)
-    words = load.type, str(load.count), str(load.rate), str(load.octets)
+    words = load.type, *map(str, (load.count, load.rate, load.octets)), load.qos
     driver = start(ros2.python, ros2, domain, "drive", *words)
     try:
         found = json.loads(line(driver))["found"]

@@ -1,10 +1,11 @@
 """Nodes of `ros2.py`: what comes on `/in` goes on `/out`, and a driver that measures it.
 
-    python ros2_ends.py echo hand|rclpy|dds TYPE
-    python ros2_ends.py drive TYPE COUNT RATE OCTETS
+    python ros2_ends.py echo hand|rclpy|dds TYPE reliable|mixed
+    python ros2_ends.py drive TYPE COUNT RATE OCTETS reliable|mixed
 
 An echo writes its processor time for each line that it reads. A driver is a node of rclpy, with
 serialized messages; it writes how many came back, and their latencies in milliseconds.
+With mixed QoS readers are best effort, and an echo sends one message on `/once`, transient local.
 """
 
 from __future__ import annotations
@@ -26,28 +27,40 @@ def class_of(type_: str) -> Any:
     return getattr(importlib.import_module(f"{package}.msg"), name)
 
 
-def hand(type_: str) -> None:
+def profiles(qos: str) -> tuple[Any, Any, Any]:
+    """Return rclpy's profiles of writers, of readers, and of what is sent once."""
+    from rclpy.qos import DurabilityPolicy, QoSProfile, ReliabilityPolicy
+
+    writes = reads = QoSProfile(depth=DEPTH)
+    if qos == "mixed":
+        best = ReliabilityPolicy.BEST_EFFORT
+        reads = QoSProfile(depth=DEPTH, reliability=best)
+    local = DurabilityPolicy.TRANSIENT_LOCAL
+    return writes, reads, QoSProfile(depth=1, durability=local)
+
+
+def hand(type_: str, qos: str) -> None:
     """Spin a node as it is written by hand."""
     import rclpy
-    from rclpy.qos import QoSProfile
 
     class_ = class_of(type_)
     rclpy.init()
     node = rclpy.create_node("echo")
-    profile = QoSProfile(depth=DEPTH)
-    publisher = node.create_publisher(class_, "out", profile)
+    writes, reads, once = profiles(qos)
+    publisher = node.create_publisher(class_, "out", writes)
+    node.create_publisher(class_, "once", once).publish(class_())
 
     def echo(message: Any) -> None:
         message.header.frame_id = "echo"
         publisher.publish(message)
 
-    node.create_subscription(class_, "in", echo, profile)
+    node.create_subscription(class_, "in", echo, reads)
     threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
 
 
-def rtgen(kind: str, type_: str) -> None:
-    """Connect an InPort and an OutPort."""
-    from rtgen.facts.ros_qos import PROFILES
+def rtgen(kind: str, type_: str, qos: str) -> None:
+    """Connect an InPort and OutPorts."""
+    from rtgen.facts.ros_qos import PROFILES, Durability, Reliability
     from rtgen.runtime.ports.data_ports import InPort, OutPort
     from rtgen.runtime.ros2.network import RosNode
     from rtgen.runtime.ros2.ports import Joint, RosPorts
@@ -65,6 +78,7 @@ def rtgen(kind: str, type_: str) -> None:
     class_ = message_classes(type_)[type_]
     in_: InPort[Any] = InPort("in", class_, "echo0")
     out: OutPort[Any] = OutPort("out", class_, "echo0")
+    once: OutPort[Any] = OutPort("once", class_, "echo0")
 
     def echo() -> None:
         message = in_.read()
@@ -72,31 +86,38 @@ def rtgen(kind: str, type_: str) -> None:
         out.write(message)
 
     in_.call_on_arrival(echo)
-    profile = PROFILES["default"]._replace(depth=DEPTH)
-    RosPorts(network, [Joint(in_, "/in", profile), Joint(out, "/out", profile)])
+    writes = reads = PROFILES["default"]._replace(depth=DEPTH)
+    if qos == "mixed":
+        reads = reads._replace(reliability=Reliability.BEST_EFFORT)
+    local = writes._replace(depth=1, durability=Durability.TRANSIENT_LOCAL)
+    joints = (
+        *(Joint(in_, "/in", reads), Joint(out, "/out", writes)),
+        Joint(once, "/once", local),
+    )
+    RosPorts(network, joints)
+    once.write(class_())
 
 
-def echo(kind: str, type_: str) -> None:
+def echo(kind: str, type_: str, qos: str) -> None:
     """Run a node until the input ends."""
     if kind == "hand":
-        hand(type_)
+        hand(type_, qos)
     else:
-        rtgen(kind, type_)
+        rtgen(kind, type_, qos)
     print("ready", flush=True)
     for _ in sys.stdin:
         print(time.process_time(), flush=True)
 
 
-def drive(type_: str, count: int, rate: float, octets: int) -> None:
+def drive(type_: str, count: int, rate: float, octets: int, qos: str) -> None:
     """Send messages at a rate [Hz], of about that many octets; write what came back."""
     import rclpy
-    from rclpy.qos import QoSProfile
     from rclpy.serialization import serialize_message
 
     class_ = class_of(type_)
     rclpy.init()
     node = rclpy.create_node("driver")
-    profile = QoSProfile(depth=DEPTH)
+    writes, reads, once = profiles(qos)
     message = class_()
     if octets:
         message.data = bytes(octets)
@@ -115,14 +136,22 @@ def drive(type_: str, count: int, rate: float, octets: int) -> None:
             known.set()
 
     known = threading.Event()
-    publisher = node.create_publisher(class_, "in", profile)
-    node.create_subscription(class_, "out", came, profile, raw=True)
+    publisher = node.create_publisher(class_, "in", writes)
+    node.create_subscription(class_, "out", came, reads, raw=True)
+    sent_once = threading.Event()
+    if qos == "mixed":
+        node.create_subscription(class_, "once", lambda _: sent_once.set(), once)
     threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
     begun = time.perf_counter()
+    found = None
+    if qos == "mixed":
+        came_once = sent_once.wait(10.0)
+        found = time.perf_counter() - begun if came_once else float("nan")
     while not known.is_set():
         publisher.publish(whole[:4] + b"\xff\xff\xff\xff" + whole[8:])
         known.wait(0.05)
-    found = time.perf_counter() - begun
+    if found is None:
+        found = time.perf_counter() - begun
     time.sleep(0.3)
     print(json.dumps({"found": found}), flush=True)
     sys.stdin.readline()
@@ -141,7 +170,7 @@ def drive(type_: str, count: int, rate: float, octets: int) -> None:
 
 if __name__ == "__main__":
     if sys.argv[1] == "echo":
-        echo(*sys.argv[2:4])
+        echo(*sys.argv[2:5])
     else:
-        kind_, number_, rate_, size_ = sys.argv[2:6]
-        drive(kind_, int(number_), float(rate_), int(size_))
+        kind_, number_, rate_, size_, qos_ = sys.argv[2:7]
+        drive(kind_, int(number_), float(rate_), int(size_), qos_)

@@ -263,3 +263,38 @@ def test_boards_and_devices(rover: Path) -> None:
     for board in boards:
         assert below(rover / "ros2" / board) >= {"CMakeLists.txt", "package.xml", "srv"}
         assert "service_msgs" in texts(rover / "ros2" / board / "package.xml", "depend")
+
+
+LAMP = """
+signature sLamp { uint8_t level( void ); };
+celltype tLamp { entry sLamp eLamp; };
+[active] celltype tSwitch { call sLamp cLamp; };
+cell tLamp Lamp { };
+cell tSwitch Switch {
+    [through( RTCPlugin, "" )]
+    cLamp = Lamp.eLamp;
+};
+"""
+
+
+def test_boards_without_a_system(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Their package runs them alone; a launch file has the RTCs that a run adds to its system."""
+    monkeypatch.chdir(tmp_path)
+    (tmp_path / "lamp.cdl").write_text(LAMP)
+    project = '[sources]\npaths = ["lamp.cdl"]\n[output]\npackage = "lit"\n[ros2]\n'
+    (tmp_path / "rtgen.toml").write_text(project)
+    assert run(["new", "ros2-package", "lit_ros"]) == 0
+    package = tmp_path / "ros2/lit_ros"
+    assert (tmp_path / "ros2/lit_lamp/srv/LampLevel.srv").is_file()
+    assert (package / "project/lamp.cdl").is_file()
+    assert '_run("rtgen.toml")' in (package / "lit_ros/systems.py").read_text()
+    added = '    "OpaqueRpcCommunication0",\n    "LampMarshaller0",\n]'
+    assert added in (package / "launch/boards.launch.py").read_text()
+    (tmp_path / "empty.xml").write_text(SYSTEM.format(components=""))
+    assert run(["new", "ros2-package", "more_ros", "--system", "empty.xml"]) == 0
+    launch = tmp_path / "ros2/more_ros/launch/empty.launch.py"
+    assert added in launch.read_text()
+    (tmp_path / "rtgen.toml").write_text(project + "boards = false\n")
+    assert run(["new", "ros2-package", "no_ros"]) == 2

@@ -21,6 +21,7 @@ from rtgen.compiler.project import (
     Project,
     cache,
     changed_inputs,
+    load,
     load_around,
 )
 from rtgen.compiler.systems import conditions, timeline
@@ -50,12 +51,12 @@ if TYPE_CHECKING:
 
 
 BOARDS = FILE_NAME
-"""In place of a system: the boards of the project around the working folder alone."""
+"""In place of a system, the file of a project: its boards alone."""
 
 
 @dataclass(frozen=True, slots=True, kw_only=True)
 class RunOptions:
-    """The options of `rtgen run`, as its help describes them; `system` may be `BOARDS`.
+    """The options of `rtgen run`, as its help describes them; `system` may be a `BOARDS`.
 
     `until_at` is the place of `until` in rtgen.toml. `follows_ros`: the simulated time is that of
     ROS 2's topic `/clock`.
@@ -137,12 +138,12 @@ def planned(options: RunOptions, console: Console) -> Plan:
     """Return the plan of a whole system. Raises ReportedError, InputError, Refusal, ToolError."""
     carrying, simulated = options.carrying, options.simulated
     carrying.check(simulated=simulated)
-    profile = (
-        _nothing() if options.system == BOARDS else read_system(options.system, console)
-    )
-    course = timeline.of_system(Path(options.system), options.timeline_file, profile)
+    path = Path(options.system)
+    alone = options.ros2 is not None and path.name == BOARDS
+    project = load(path.parent) if alone else load_around(path)
+    profile = nothing(project) if alone else read_system(path, console)
+    course = timeline.of_system(path, options.timeline_file, profile)
     console.findings(course.skipped)
-    project = load_around(Path(options.system))
     console.findings([*changed_inputs.findings(project)])
     boards = None
     if options.ros2 is not None:
@@ -151,8 +152,8 @@ def planned(options: RunOptions, console: Console) -> Plan:
         boards = ros2_boards.of_project(project)
         if boards is not None:
             console.findings(boards.findings)
-            profile = boards.completed(profile, alone=options.system == BOARDS)
-    if not profile.components and options.system == BOARDS:
+            profile = boards.completed(profile, alone=alone)
+    if alone and not profile.components:
         raise Refusal(
             "no SYSTEM, no [run] system in rtgen.toml, and no boards for ROS 2"
         )
@@ -179,11 +180,12 @@ def planned(options: RunOptions, console: Console) -> Plan:
     return plan
 
 
-def _nothing() -> System:
-    """Return a system without components, which has the name of the working folder."""
-    name = Path.cwd().name
+def nothing(project: Project) -> System:
+    """Return a system without components, which has the name of a project's package."""
+    file = str(project.root / BOARDS)
+    name = project.package
     return System(
-        name=name, id="", file=BOARDS, abstract="", components=(), connections=()
+        name=name, id="", file=file, abstract="", components=(), connections=()
     )
 
 

@@ -12,7 +12,7 @@ from typing import Any
 import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Severity
-from rtgen.compiler.model import Model
+from rtgen.compiler.model import Model, System
 from rtgen.compiler.project import (
     FILE_NAME,
     Project,
@@ -28,6 +28,8 @@ from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.facts.ros import INTERFACE_SUFFIXES, is_interface
 from rtgen.ros2.backend.backend import FOLDER as GENERATED
 from rtgen.ros2.backend.packages import InterfaceText, interface_texts
+from rtgen.tools.running import ros2_boards
+from rtgen.tools.running.plan import nothing
 from rtgen.tools.scaffold.names import ros_package_name
 from rtgen.tools.scaffold.package_facts import Facts, package_facts
 from rtgen.tools.scaffold.rules import CIRCLE, NO_SYSTEM, OUTSIDE
@@ -38,6 +40,8 @@ _RUNNING = (
     "ros2launch",
 )
 """What the package with the systems needs to run."""
+_ALONE = "boards"
+"""The program that runs the boards of a project without a system."""
 
 
 class LaunchedSystem(msgspec.Struct, frozen=True):
@@ -69,7 +73,8 @@ def packages(
 ) -> Packages:
     """Return the packages of a project, below `folder`; `name` is that of the systems' package.
 
-    `systems` are launched, by default those of the project, else that of `[run]`. Packages of
+    `systems` are launched, by default those of the project, else that of `[run]`, else its boards
+    alone. Packages of
     interfaces that exist are left as they are. Raises InputError for a name that ROS 2 does not
     allow, for packages that need each other, without a system, and for files outside of the
     project's folder; ToolError for a `pyproject.toml` that is not TOML.
@@ -197,7 +202,11 @@ def _link(path: Path, target: Path) -> Link:
 
 
 def _launched(project: Project, systems: Sequence[Path]) -> list[LaunchedSystem]:
-    """Return the systems, which have different names. Raises InputError."""
+    """Return the systems, which have different names. Raises InputError.
+
+    Without a system they are the boards alone.
+    """
+    boards = ros2_boards.of_project(project)
     launched: dict[str, LaunchedSystem] = {}
     of_run = load_run_table().system
     default = project.systems or ([of_run] if of_run else [])
@@ -210,17 +219,29 @@ def _launched(project: Project, systems: Sequence[Path]) -> list[LaunchedSystem]
         if name in launched:
             message = f"{shown(path)}: {launched[name].path} is called {name}, too"
             raise InputError([NO_SYSTEM.at(None, message, hint="rename one")])
-        order = dict.fromkeys(a.instance for a in profile.activation)
-        order |= dict.fromkeys(c.instance for c in profile.components)
-        own = _own(project, {c.instance: c.type for c in profile.components})
-        nodes = tuple(ros_names.node_name(each) for each in order if each in own)
-        managed = nodes if project.ros2.managed_nodes else ()
-        launched[name] = LaunchedSystem(name, _below(project, path), managed)
+        if boards is not None:
+            profile = boards.completed(profile, alone=False)
+        launched[name] = _of_profile(project, name, path, profile)
+    if not launched and boards is not None:
+        profile = boards.completed(nothing(project), alone=True)
+        path = project.root / FILE_NAME
+        launched[_ALONE] = _of_profile(project, _ALONE, path, profile)
     if not launched:
         message = "neither [sources] paths nor [run] names a system to launch"
         hint = "rtgen new system NAME makes one; --system FILE names one"
         raise InputError([NO_SYSTEM.at(None, message, hint=hint)])
     return [*launched.values()]
+
+
+def _of_profile(
+    project: Project, name: str, path: Path, profile: System
+) -> LaunchedSystem:
+    order = dict.fromkeys(a.instance for a in profile.activation)
+    order |= dict.fromkeys(c.instance for c in profile.components)
+    own = _own(project, {c.instance: c.type for c in profile.components})
+    nodes = tuple(ros_names.node_name(each) for each in order if each in own)
+    managed = nodes if project.ros2.managed_nodes else ()
+    return LaunchedSystem(name, _below(project, path), managed)
 
 
 def _own(project: Project, types: Mapping[str, str]) -> set[str]:
