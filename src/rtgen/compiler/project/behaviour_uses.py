@@ -385,7 +385,9 @@ class _Behaviour:
                 return (None, "") if own is None else (own | of_type, what)
             return (of_type, what) if [*path[:-1]] == ["object"] else (None, "")
         if kind in _PORTS and len(path) == 1:
-            return self._modules.own_names(_PORTS[kind]), f"an {_PORTS[kind].name}"
+            article = "an" if kind.endswith("port") else "a"
+            own = self._modules.own_names(_PORTS[kind])
+            return own, f"{article} {_PORTS[kind].name}"
         return None, ""
 
     def _all(self, type_: Class | RuntimeClass | None) -> frozenset[str] | None:
