@@ -11,6 +11,7 @@ import ast
 import os
 import subprocess
 import sys
+from collections import Counter
 from pathlib import Path
 
 import black
@@ -112,3 +113,10 @@ def test_mypy_finds_nothing(sets: dict[str, Path]) -> None:
 @pytest.mark.nightly
 def test_pyright_finds_nothing(sets: dict[str, Path], tmp_path: Path) -> None:
     check_by_pyright(sets.values(), tmp_path)
+
+
+def test_modules_of_tests_have_names_of_their_own() -> None:
+    """Pytest imports them by their names alone, and cannot collect a second one."""
+    files = [*(ROOT / "tests").rglob("test_*.py")]
+    names = Counter(file.name for file in files if "cases" not in file.parts)
+    assert not [name for name, count in names.items() if count > 1]
