@@ -14,7 +14,7 @@ import pytest
 from logged_process import LoggedProcess
 from media import own_domain
 from ros2_peers import installation
-from test_boards import free_port
+from test_ros_boards import free_port
 from test_colcon import Workspace
 
 from rtgen.cli import run
