@@ -107,6 +107,19 @@ def test_what_is_unread_waits_in_openrtms_buffer(relay: Relay) -> None:
     assert not relay.behaviour.data.is_new()
 
 
+def test_a_sample_that_is_fetched_does_not_arrive(relay: Relay) -> None:
+    """A behaviour that acts on arrivals, as adapters do, finds the samples at its own tick."""
+    port = relay.behaviour.data
+    arrivals: list[int] = []
+    port.call_on_arrival(lambda: arrivals.append(1))
+    one, two = source(relay), source(relay)
+    for number in range(3):
+        one.write(wire(number))
+    two.write(wire(3))
+    assert sorted(numbers(port)) == [0, 1, 2, 3]
+    assert not arrivals
+
+
 def test_a_writer_is_refused_when_the_buffer_is_full(relay: Relay) -> None:
     out = source(relay, buffer__length="2", buffer__write__full_policy="do_nothing")
     assert [out.write(wire(n)) for n in range(3)] == [True, True, False]

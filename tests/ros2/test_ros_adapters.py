@@ -159,6 +159,40 @@ def test_a_sample_that_cannot_be_converted(adapters: ModuleType) -> None:
     assert back.read().info.resolution == 0.5
 
 
+class _Fetched(DataConnector[Any]):
+    is_fetched = True
+
+
+def test_fetched_samples_are_converted_in_one_tick(adapters: ModuleType) -> None:
+    """A port that fetches its samples, as in OpenRTM, has none waiting after a tick."""
+    rtc = adapters.rtc
+    number = number_of("TwistStamped")
+    module = import_module(f"ros_adapted.adapters.to{number}")
+    adapter = getattr(module, f"To{number}")("X0")
+    system, _, back = connected(adapter)
+    port = adapter.in_ports["input"]
+    far: OutPort[Any] = OutPort("far", port.type)
+    connector = _Fetched("c", far, port, {}, system.clock.guard)
+    connector.attach()
+    speeds = [0.5, 1.5, 2.5]
+    waiting = [
+        rtc.TimedVelocity2D(rtc.Time(1, 0), rtc.Velocity2D(vx, 0.0, 0.0))
+        for vx in speeds
+    ]
+
+    def feed() -> None:
+        if waiting and system.state("X0") is ACTIVE_STATE:
+            connector.give(waiting.pop(0))
+
+    port._feed = feed
+    system.activate("X0")
+    system.run(1)
+    found = []
+    while back.is_new():
+        found.append(back.read().twist.linear.x)
+    assert found == speeds
+
+
 def test_a_ring_of_adapters_turns_with_their_ticks(adapters: ModuleType) -> None:
     rtc = adapters.rtc
     number = number_of("TwistStamped")

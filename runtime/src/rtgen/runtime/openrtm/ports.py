@@ -31,6 +31,8 @@ class Inflow:
 
     lost = 0
     """Number of lost samples, which OpenRTM does not count."""
+    is_fetched = True
+    """See `DataConnector`."""
 
     def __init__(
         self, target: InPort[Any], port: Any, datum: Any, conversions: Conversions

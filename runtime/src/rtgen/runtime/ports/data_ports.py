@@ -10,7 +10,7 @@ from __future__ import annotations
 import sys
 from collections import deque
 from collections.abc import Callable, Mapping
-from typing import Any, Generic, TypeVar
+from typing import Any, ClassVar, Generic, TypeVar
 
 from rtgen.facts.connector_properties import (
     Dataflow,
@@ -145,7 +145,10 @@ class InPort(Generic[T]):
         )
 
     def call_on_arrival(self, action: Callable[[], None]) -> None:
-        """Call a function after each sample that comes, in the tick and thread of its writer."""
+        """Call a function after each sample that comes, in the tick and thread of its writer.
+
+        Not for samples that this port fetches when it is read.
+        """
         self._on_arrival = action
         self._rewire()
 
@@ -200,7 +203,9 @@ class InPort(Generic[T]):
             self._unread = buffers[0].samples if buffers else _NOTHING
         for buffer in buffers:
             buffer.arrivals = self._arrivals
-            buffer.on_arrival = self._on_arrival
+        for connector in self._connectors:
+            is_told = not connector.is_fetched
+            connector.buffer.on_arrival = self._on_arrival if is_told else None
         alone = self._arrivals is None and self._guard is SINGLE_THREAD
         self._sole = buffers[0].samples if alone and buffers else _NOTHING
         for connector in self._connectors:
@@ -408,6 +413,9 @@ class DataConnector(Generic[T]):
     `refused` writes returned a status, so the writer knows of them; `dropped` samples were skipped
     by the push policy; `cut` ones were unread when the connection was removed.
     """
+
+    is_fetched: ClassVar[bool] = False
+    """Whether the reader fetches the samples, so that none comes in the tick of its writer."""
 
     def __init__(
         self,

@@ -15,8 +15,9 @@ class Adapter(Component):
     """A component that converts the samples of its port `input`, whenever one comes.
 
     While it is ACTIVE, it converts in the tick, and in the thread, of the writer, so that it adds
-    no delay. Ticks of its own are for its life cycle, and for samples that have come before. A
-    sample that cannot be converted leads to ERROR at its own next tick.
+    no delay. Ticks of its own are for its life cycle, for samples that have come before, and for
+    those that its port fetches. A sample that cannot be converted leads to ERROR at its own next
+    tick.
     """
 
     def __init__(self, instance_name: str | None = None) -> None:
@@ -37,7 +38,7 @@ class Adapter(Component):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Convert what came while it was not ACTIVE."""
+        """Convert what came while it was not ACTIVE, and what the port fetches."""
         source = self.in_ports["input"]
         with self._lock:
             self._is_converting, self._has_echo = True, False

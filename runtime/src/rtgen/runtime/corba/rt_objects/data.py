@@ -276,6 +276,8 @@ class Pulled(DataConnector[Any]):
     ones are not a new sample.
     """
 
+    is_fetched = True
+
     def __init__(
         self,
         name: str,
