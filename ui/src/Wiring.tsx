@@ -8,6 +8,7 @@ import { memo, useCallback, useEffect, useLayoutEffect, useMemo, useRef, useStat
 import { BusLine, OpenBuses } from "./BusLine.tsx";
 import type { BusNode, Drop } from "./BusLine.tsx";
 import { Button } from "./kit/Button.tsx";
+import { useRoom } from "./kit/Split.tsx";
 import { WIDEST, around, arrange, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, width } from "./layout.ts";
 import type { Arrangement, Point } from "./layout.ts";
 import { linesOf } from "./lines.ts";
@@ -194,6 +195,8 @@ export const Wiring = memo(function Wiring(props: {
   const [misfit, ask] = useState<Misfit>();
   const [menu, setMenu] = useState<Place & { edge: boolean }>();
   const [mapped, showMap] = useState(false);
+  /** Parts below each other scroll, also during a drag; React Flow would pan by where the wiring was at its start. */
+  const pans = useRoom();
   const drags = useRef(0);
   /** Places of boxes moved by arrow keys, until they are stored. */
   const steered = useRef(new Map<string, Point>());
@@ -485,6 +488,8 @@ export const Wiring = memo(function Wiring(props: {
           defaultEdgeOptions={{ interactionWidth: 16 }}
           fitViewOptions={{ padding: 0.06 }}
           minZoom={0.1}
+          autoPanOnConnect={pans}
+          autoPanOnNodeDrag={pans}
           nodesConnectable={full}
           nodesDraggable={full && !arranged}
           deleteKeyCode={full ? ["Delete", "Backspace"] : null}

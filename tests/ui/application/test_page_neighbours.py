@@ -23,6 +23,9 @@ from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 
+PANNING = 300
+"""A view that pans during a drag has moved meanwhile [ms]."""
+
 
 @pytest.fixture(scope="module")
 def names() -> Iterator[str]:
@@ -121,10 +124,14 @@ def test_lines_between_their_boxes_are_drawn(
     page.mouse.up()
     until(page, connected)
     refused = page.get_by_label(f"in port {names}/Navigation0.min_path")
+    view = page.locator(".react-flow__viewport")
+    place = view.get_attribute("style")
     page.get_by_label(f"out port {source}").hover()
     page.mouse.down()
-    refused.hover(force=True)
+    refused.hover(force=True)  # a narrow page scrolls to it
     page.locator(".port.refused").first.wait_for()
+    page.wait_for_timeout(PANNING)
+    assert view.get_attribute("style") == place
     refused.hover(force=True)
     page.mouse.up()
     page.get_by_role("alert").get_by_text("different types").wait_for()
