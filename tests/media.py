@@ -302,7 +302,12 @@ def engine(name: str, lease: float | None = None) -> Iterator[Engine]:
 
 
 ENGINES = ("in-process", "dds", "zenoh", "zenoh-router")
-MESSAGING = (*ENGINES, "ros2-dds", "ros2-zenoh")
+MESSAGING = (
+    *ENGINES,
+    "ros2-dds",
+    # Discovery takes it seconds: it is tried on one interpreter.
+    pytest.param("ros2-zenoh", marks=pytest.mark.slow),
+)
 """Engines, and those with the names of ROS 2, which have topics and services only."""
 
 
