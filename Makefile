@@ -57,7 +57,7 @@ test: $(VENV)/uv.stamp
 # the commit; RTGEN_SEED=N sets one), the fast tests on a further interpreter with the coverage of lines,
 # and what a release consists of.
 nightly: export RTGEN_SEED ?= $(shell $(PYTHON) tests/seeds.py)
-nightly: export RTGEN_BUDGET ?= 1
+nightly: export RTGEN_BUDGET ?= 0.4
 nightly: $(VENV)/uv.stamp
 	$(MAKE) --no-print-directory -j 4 dear interpreters
 	$(MAKE) --no-print-directory release

@@ -3,7 +3,8 @@
 The seed of `make test` depends on the commit: another commit draws other inputs, a second run of
 the same commit the same ones; `make fuzz` draws others each time. `RTGEN_SEED` sets one, for
 example that of a failed run, which pytest prints in its header. `RTGEN_BUDGET` multiplies the
-numbers of drawn inputs that tests state, by default 0.2; `make nightly` takes 1, `make fuzz` 30.
+numbers of drawn inputs that tests state, by default 0.2; `make nightly` takes 0.4, the workflow 5
+each night, `make fuzz` 30.
 """
 
 from __future__ import annotations

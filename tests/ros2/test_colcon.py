@@ -13,6 +13,7 @@ from pathlib import Path
 import pytest
 from ros2_peers import DISTRIBUTIONS, Installation, installation
 from rosidl_values import hashes
+from seeds import budget
 from test_new_ros2_package import project
 
 from rtgen.cli import run
@@ -84,7 +85,7 @@ class Workspace:
             assert process.wait() in (0, 130)
 
 
-@pytest.fixture(scope="module", params=DISTRIBUTIONS)
+@pytest.fixture(scope="module", params=DISTRIBUTIONS[: budget(2)])
 def workspace(
     request: pytest.FixtureRequest, tmp_path_factory: pytest.TempPathFactory
 ) -> Workspace:
