@@ -126,9 +126,12 @@ def test_lines_between_their_boxes_are_drawn(
     refused = page.get_by_label(f"in port {names}/Navigation0.min_path")
     view = page.locator(".react-flow__viewport")
     place = view.get_attribute("style")
+    main = page.locator("main")
+    main.evaluate("each => each.scrollTo(0, each.scrollHeight)")
     page.get_by_label(f"out port {source}").hover()
     page.mouse.down()
-    refused.hover(force=True)  # a narrow page scrolls to it
+    main.evaluate("each => each.scrollTo(0, 0)")  # only a narrow page scrolls
+    refused.hover(force=True)
     page.locator(".port.refused").first.wait_for()
     page.wait_for_timeout(PANNING)
     assert view.get_attribute("style") == place
