@@ -85,6 +85,10 @@ def main() -> None:
         and "no velocity" in node.diagnosed.get("Base0: command", "")
     ):
         rclpy.spin_once(node, timeout_sec=0.1)
+    # Those of both topics that tell of the base after it stood.
+    enough = {t: node.received[t] + 3 for t in ("/odom", "/joint_states")}
+    while any(node.received[topic] < count for topic, count in enough.items()):
+        rclpy.spin_once(node, timeout_sec=0.1)
     print(
         json.dumps(
             {
