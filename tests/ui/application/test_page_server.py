@@ -99,7 +99,7 @@ def test_a_server_that_ends_is_told_and_found_again(browser: Any) -> None:
     link.filter(has_text="lost").wait_for()
     with serving(made(first.port, first)) as again:
         link.filter(has_text="live").wait_for()
-        alert.wait_for(state="hidden")
+        alert.filter(has_text="The server has ended").wait_for(state="hidden")
         page.get_by_role("button", name="Step").click()
         page.get_by_label("Time of the run").get_by_text("0.001 s").wait_for()
     with serving(made(again.port)):
