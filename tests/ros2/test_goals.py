@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import bdb
 import importlib
 import threading
 from collections.abc import Iterator
@@ -17,7 +18,7 @@ from rtgen.cli import run as rtgen
 from rtgen.runtime import RTC_OK, RealClock, SimulatedClock, System
 from rtgen.runtime.ros2.goal_clients import ClientGoal, GoalClient
 from rtgen.runtime.ros2.goals import GoalHandle, GoalServer, GoalStatus
-from rtgen.runtime.services.servants import ServiceError
+from rtgen.runtime.services.servants import CallEnded, ServiceError
 
 MS = 1_000_000
 IDL = """
@@ -249,6 +250,53 @@ def test_errors_of_the_functions_of_a_client_are_reported(ends: Ends) -> None:
     ends.until(lambda: failures)
     assert [f.callback for f in failures] == ["go.on_result"]
     assert ends.asker.is_active
+
+
+@pytest.mark.parametrize("interrupt", [KeyboardInterrupt(), bdb.BdbQuit()])
+def test_an_interrupt_in_a_function_ends_the_run(
+    stack: ExitStack, go: ModuleType, interrupt: BaseException
+) -> None:
+    """Of a goal's step, and of a result: it is no failure of them alone."""
+
+    def served(mover: Any) -> GoalServer:
+        def execute(goal: GoalHandle) -> Any:
+            yield
+            raise interrupt
+
+        return GoalServer(mover, "go", execute)
+
+    ends = Ends(stack, go, SimulatedClock(), served)
+    send = go.lab.action.Go_SendGoal_Request()
+    assert ends.mover.goals.servant.send_goal(send).accepted
+    with pytest.raises(type(interrupt)):
+        ends.system.run(ends.system.time + 100 * MS)
+
+    def tell(goal: ClientGoal) -> None:
+        raise interrupt
+
+    ends.client._in_tick("on_result", lambda: tell(ClientGoal(ends.client, None)))
+    with pytest.raises(type(interrupt)):
+        ends.system.run(ends.system.time + 100 * MS)
+
+
+def test_what_the_end_of_a_run_cuts_short_has_not_failed(
+    stack: ExitStack, go: ModuleType
+) -> None:
+    def served(mover: Any) -> GoalServer:
+        def execute(goal: GoalHandle) -> Any:
+            yield
+            raise CallEnded("the run has ended")
+
+        return GoalServer(mover, "go", execute)
+
+    ends = Ends(stack, go, SimulatedClock(), served)
+    failures: list[Any] = []
+    ends.system.on_failure = failures.append
+    send = go.lab.action.Go_SendGoal_Request()
+    assert ends.mover.goals.servant.send_goal(send).accepted
+    ends.system.run(ends.system.time + 100 * MS)
+    assert failures == []
+    assert ends.server.goals == ()
 
 
 def request(ends: Ends, name: str, id_: bytes, stamp: tuple[int, int] = (0, 0)) -> Any:

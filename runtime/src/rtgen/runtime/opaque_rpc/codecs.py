@@ -209,17 +209,10 @@ class Messages(Generic[_P, _R]):
         if self.oneway:
             self._send(channel, *arguments)
             return (E_OK,) if self.error_code else ()
-        request = self.encode_request(*arguments)
-        head = channel.begin(request, self.first)
-        try:
-            returned, outs = self.read_reply(
-                head, channel.more, *(self.kept and self._kept_of(arguments))
-            )
-        except BaseException:
-            channel.reset()
-            raise
-        channel.end()
-        return tuple(outs or ()) if self.is_void else (returned, *(outs or ()))
+        result = self._call_value(channel, *arguments)
+        if not self.results:
+            return ()
+        return result if isinstance(result, tuple) and self.results > 1 else (result,)
 
     def _failed(self, error: RpcError, channel: Channel) -> int:
         """Return the error code; the reason is only logged."""

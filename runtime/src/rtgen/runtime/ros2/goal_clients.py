@@ -201,8 +201,8 @@ class GoalClient:
         def call() -> None:
             try:
                 function()
-            except Exception as error:
-                self._component._servant_failed(f"{self._port}.{name}", error)
+            except BaseException as error:
+                self._component._function_failed(f"{self._port}.{name}", error)
 
         self._component._at_end_of_cycle(call)
 

@@ -275,7 +275,7 @@ class GoalServer:
                 self._fail(goal, error)
 
     def _fail(self, goal: GoalHandle, error: BaseException) -> None:
-        self._component._servant_failed(f"{self._provider.port}.execute", error)
+        self._component._function_failed(f"{self._provider.port}.execute", error)
         self._finish(goal, GoalStatus.ABORTED, None)
 
     def _end_of(self, goal: GoalHandle, result: Any) -> None:

@@ -11,7 +11,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, ClassVar, Protocol, TypeVar, cast
 
 from rtgen.facts.value_checks import CheckValues
-from rtgen.runtime.errors import CheckpointError, DuplicatePortError
+from rtgen.runtime.errors import CheckpointError, DuplicatePortError, EndOfRunError
 from rtgen.runtime.failures import Failure, described, ends_run, log, log_failure
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.ports.data_ports import InPort, OutPort
@@ -441,6 +441,16 @@ class Component:
     def _servant_failed(self, operation: str, error: BaseException) -> None:
         """Report an exception of a servant, which does not affect the component's state."""
         self._report_failure(operation, described(error), error)
+
+    def _function_failed(self, name: str, error: BaseException) -> None:
+        """Report an exception of a user's function that is no callback; an interrupt ends the run.
+
+        One that the end of the run has cut short has not failed.
+        """
+        if not isinstance(error, EndOfRunError):
+            self._report_failure(name, described(error), error)
+        if ends_run(error):
+            self._end_run(error)
 
     def _report_failure(
         self, callback: str, reason: str, error: BaseException | None
