@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 import bdb
-import importlib
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
+from action_package import generated
 from patience import until
 
-from rtgen.cli import run as rtgen
 from rtgen.runtime import RTC_OK, RealClock, SimulatedClock, System
 from rtgen.runtime.ros2.goal_clients import ClientGoal, GoalClient
 from rtgen.runtime.ros2.goals import GoalHandle, GoalServer, GoalStatus
@@ -34,32 +32,12 @@ component Asker {
     provides lab::action::Go_Events other;
 };
 """
-PACKAGES = (
-    *("lab.action", "action_msgs.srv", "action_msgs.msg", "unique_identifier_msgs.msg"),
-    *("components.mover", "components.asker"),
-)
 
 
 @pytest.fixture(scope="module")
-def go(tmp_path_factory: pytest.TempPathFactory) -> Iterator[ModuleType]:
+def go(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
     """Import the package generated from the action and the components."""
-    folder = tmp_path_factory.mktemp("goals")
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        Path("lab/action").mkdir(parents=True)
-        Path("lab/action/Go.action").write_text(
-            "float64 x\n---\nbool done\n---\nfloat64 left\n"
-        )
-        Path("t.idl").write_text(IDL)
-        Path("rtgen.toml").write_text(
-            '[sources]\npaths = ["t.idl", "lab"]\n[output]\npackage = "goals_go"\n'
-        )
-        assert rtgen(["generate", "-q", "--no-cache"]) == 0
-        patch.syspath_prepend(str(folder / "generated"))
-        package = importlib.import_module("goals_go")
-        for name in PACKAGES:
-            importlib.import_module(f"goals_go.{name}")
-        yield package
+    return generated(tmp_path_factory.mktemp("goals"), IDL, "goals_go")
 
 
 class Moving(GoalServer):

@@ -1,18 +1,16 @@
-"""Service ports that cannot be actions; `test_conformance` has those that are."""
+"""Service ports that cannot be actions; `test_ros_conformance` has those that are."""
 
 from __future__ import annotations
 
-import importlib
 from collections.abc import Iterator
 from contextlib import ExitStack
-from pathlib import Path
 from types import ModuleType
 from typing import Any
 
 import pytest
+from action_package import generated
 from patience import until
 
-from rtgen.cli import run as rtgen
 from rtgen.runtime import RTC_OK, RealClock, System
 from rtgen.runtime.ros2.actions import joints_of
 from rtgen.runtime.ros2.managed import EVENT_INFO
@@ -34,37 +32,11 @@ component Asker {
     provides lab::action::Go_Events other;
 };
 """
-PACKAGES = (
-    *("lab.action", "action_msgs.srv", "action_msgs.msg"),
-    *("unique_identifier_msgs.msg", "components"),
-)
-
-
-def generated(folder: Path) -> ModuleType:
-    """Return the generated package."""
-    with pytest.MonkeyPatch.context() as patch:
-        patch.chdir(folder)
-        Path("lab/action").mkdir(parents=True)
-        Path("lab/action/Go.action").write_text(
-            "float64 x\n---\nbool done\n---\nfloat64 left\n"
-        )
-        Path("t.idl").write_text(IDL)
-        Path("rtgen.toml").write_text(
-            '[sources]\npaths = ["t.idl", "lab"]\n[output]\npackage = "ros_go"\n'
-        )
-        assert rtgen(["generate", "-q", "--no-cache"]) == 0
-        patch.syspath_prepend(str(folder / "generated"))
-        package = importlib.import_module("ros_go")
-        for name in PACKAGES:
-            importlib.import_module(f"ros_go.{name}")
-        for name in ("mover", "asker"):
-            importlib.import_module(f"ros_go.components.{name}")
-        return package
 
 
 @pytest.fixture(scope="module")
 def go(tmp_path_factory: pytest.TempPathFactory) -> ModuleType:
-    return generated(tmp_path_factory.mktemp("actions"))
+    return generated(tmp_path_factory.mktemp("actions"), IDL, "ros_go")
 
 
 @pytest.fixture
