@@ -119,8 +119,7 @@ def ends(stack: ExitStack, go: ModuleType) -> Ends:
 
 def test_a_goal_with_feedback(ends: Ends) -> None:
     goal = ends.send(1.5)
-    ends.until(lambda: ends.feedback == [3.0])
-    assert goal.accepted
+    ends.until(lambda: goal.accepted and ends.feedback == [3.0])
     ends.until(lambda: goal.status is GoalStatus.EXECUTING)
     assert not goal.has_ended
     ends.server.go.set()
