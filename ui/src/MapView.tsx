@@ -159,10 +159,7 @@ export function MapView({ system }: { system: SystemState }) {
   const shown = useMemo(() => all.filter((each) => !hidden.has(each.name)), [all, hidden]);
   const wanted = [...new Set(shown.flatMap((each) => (each.frame ? [each.channel.id, each.frame.id] : [each.channel.id])))].join();
 
-  useEffect(() => {
-    store.watch(wanted ? wanted.split(",").map(Number) : []);
-    return () => store.watch([]);
-  }, [wanted]);
+  useEffect(() => store.watch(wanted ? wanted.split(",").map(Number) : []), [wanted]);
 
   useEffect(() => {
     let frame = 0;

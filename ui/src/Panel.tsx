@@ -46,10 +46,7 @@ function Values({ system, component }: Selection) {
   const partner = (channel: Channel) =>
     shown.find((each) => each.beside && each.port.instance === channel.port.instance && each.port.port === channel.port.port);
   const wanted = shown.map((each) => each.id).join();
-  useEffect(() => {
-    store.watch(wanted ? wanted.split(",").map(Number) : []);
-    return () => store.watch([]);
-  }, [wanted]);
+  useEffect(() => store.watch(wanted ? wanted.split(",").map(Number) : []), [wanted]);
   const unknown = component.ports.filter((each) => component.place && each.kind === "PORT_OUT" && each.type_number < 0);
   if (!shown.length && !unknown.length) return <p>No port of this component has values.</p>;
   const sections = shown.filter((each) => !each.beside).map((channel) => {

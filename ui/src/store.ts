@@ -100,6 +100,8 @@ export class Store {
   private readonly waiting = new Map<number, (result: Result) => void>();
   private readonly listeners = new Set<() => void>();
   private watched: number[] = [];
+  private readonly watches = new Set<readonly number[]>();
+  private subscribing = false;
   /** The time to request next, while a request is pending. */
   private wanted: number | undefined;
   private looking = false;
@@ -162,11 +164,28 @@ export class Store {
     return result;
   }
 
-  /** Subscribes to channels; for new ones the server also sends past samples. */
-  watch(channels: number[]): void {
-    for (const each of channels) if (!this.watched.includes(each)) this.tracks.delete(each);
-    this.watched = channels;
-    void this.ask({ case: "channels", value: channels });
+  /** Subscribes to channels until the result is called; for new ones the server also sends past samples. */
+  watch(channels: readonly number[]): () => void {
+    this.watches.add(channels);
+    this.subscribeAll();
+    return () => {
+      this.watches.delete(channels);
+      this.subscribeAll();
+    };
+  }
+
+  /** Sends what all views of the page watch, once for the changes of a moment. */
+  private subscribeAll(): void {
+    if (this.subscribing) return;
+    this.subscribing = true;
+    queueMicrotask(() => {
+      this.subscribing = false;
+      const channels = [...new Set([...this.watches].flat())];
+      if (channels.join() === this.watched.join()) return;
+      for (const each of channels) if (!this.watched.includes(each)) this.tracks.delete(each);
+      this.watched = channels;
+      void this.ask({ case: "channels", value: channels });
+    });
   }
 
   /** Shows the run as of a time; negative: the present. Of several requests only the last one is sent. */
@@ -240,7 +259,7 @@ export class Store {
           const now = this.wanted;
           this.system(({ time }) => ({ time: { ...time, now: now < 0 ? time.now : now } }));
         }
-        if (this.watched.length && !this.looking) this.watch(this.watched);
+        if (this.watched.length && !this.looking) void this.ask({ case: "channels", value: this.watched });
         break;
       case "types":
         this.types.add(event.value.first, event.value.nodes);
