@@ -14,6 +14,7 @@ from tempfile import TemporaryDirectory
 from typing import TYPE_CHECKING, Any, Protocol
 
 import pytest
+from free_ports import free_port
 from msgspec.structs import astuple
 
 from rtgen.runtime import idl
@@ -47,7 +48,7 @@ SYSTEM = "conformance"
 DOMAIN = 90
 _RESERVING_PORT = 21_000
 """A domain is reserved by the port of this number plus its own."""
-LEASE = 0.7
+LEASE = 1.5
 """Seconds after which a process without signs of life is lost, in tests of that."""
 
 
@@ -386,11 +387,3 @@ def own_domain() -> int:
         atexit.register(held.close)
         return domain
     raise AssertionError("all domains are in use")
-
-
-def free_port() -> int:
-    """Return a free port of the loopback interface."""
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        port: int = found.getsockname()[1]
-        return port

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -16,6 +15,7 @@ from typing import Any
 import middleware
 import openrtm_peers as peers
 import pytest
+from free_ports import free_port
 from openrtm_lab import Lab
 from patience import until
 
@@ -200,13 +200,6 @@ def workshop(tmp_path_factory: pytest.TempPathFactory) -> Path:
         patch.chdir(folder)
         assert run(["generate", "--target", "openrtm", "-q"]) == 0
     return folder
-
-
-def free_port() -> int:
-    with socket.socket() as found:
-        found.bind(("127.0.0.1", 0))
-        port: int = found.getsockname()[1]
-        return port
 
 
 def script(

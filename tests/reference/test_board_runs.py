@@ -6,7 +6,6 @@ import io
 import json
 import re
 import signal
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator, Sequence
@@ -18,6 +17,7 @@ from typing import Any
 
 import pytest
 from board_line import SerialLine, TcpLine
+from free_ports import free_port
 from pipeline import MAX_DURATION, NAVIGATION, at_end, goal, profile
 
 from refnav.geometry import Pose, wrap
@@ -207,11 +207,6 @@ def test_only_the_hardware_differs_from_the_reference_system() -> None:
 
 
 # The board in another process.
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as probe:
-        return int(probe.getsockname()[1])
 
 
 class Board:

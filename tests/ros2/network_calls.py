@@ -1,4 +1,4 @@
-"""Calls over a network that fail, and many at once: `network_calls.py rclpy|dds|zenoh`.
+"""Calls over a network that fail, and many at once: `network_calls.py rclpy|dds|zenoh PORT`.
 
 Run with rtgen, over rclpy in an installation of ROS 2. Prints what becomes of each in JSON.
 """
@@ -7,12 +7,11 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import sys
-import threading
 import time
 from collections.abc import Callable
 from concurrent.futures import ThreadPoolExecutor
+from queue import Queue
 from typing import Any
 
 from rtgen.runtime.ros2.network import RosNetwork, RosNode, RosService
@@ -22,7 +21,7 @@ from rtgen.tools.running.ros2_classes import message_classes
 
 INFO, TYPE = "service_msgs/msg/ServiceEventInfo", "std_srvs/srv/SetBool"
 CLASSES = message_classes(INFO, TYPE)
-LONG = 30.0
+LONG = 100.0
 
 
 def service(name: str) -> RosService:
@@ -31,16 +30,8 @@ def service(name: str) -> RosService:
     return RosService(*ends, name, CLASSES[INFO])
 
 
-def outcome(call: Callable[[], object]) -> Any:
-    """Return the name of the error, or the result."""
-    try:
-        return call()
-    except ServiceError as error:
-        return type(error).__name__
-
-
-def networks(kind: str) -> list[RosNetwork]:
-    """Return two networks that find each other."""
+def networks(kind: str, port: str) -> list[RosNetwork]:
+    """Return two networks that find each other; those of Zenoh meet at the port."""
     nodes = [
         RosNode(name, "/lab", int(os.environ["ROS_DOMAIN_ID"]))
         for name in ("here", "there")
@@ -55,83 +46,79 @@ def networks(kind: str) -> list[RosNetwork]:
         return [open_dds(node) for node in nodes]
     from rtgen.runtime.ros2.zenoh import configuration, open_zenoh
 
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        place = f"tcp/127.0.0.1:{server.getsockname()[1]}"
+    place = f"tcp/127.0.0.1:{port}"
     configs = configuration(connect=None, listen=place), configuration(connect=place)
     pairs = zip(nodes, configs, strict=True)
     return [open_zenoh(node, config=config) for node, config in pairs]
 
 
 def main() -> None:
-    here, there = networks(sys.argv[1])
+    here, there = networks(*sys.argv[1:])
     results: dict[str, Any] = {}
-    request = encoded(service("").request(True))
 
-    def call(name: str, timeout: float) -> Callable[[], object]:
-        send = here.client(service(name))
+    def client(name: str) -> Callable[..., Any]:
+        """Return a function that calls a service: what it responds, or the name of the error."""
+        described = service(name)
+        send = here.client(described)
 
-        def answer() -> object:
-            return decoded(service(name).reply, send(request, timeout)).message
+        def call(timeout: float, data: bool = True) -> Any:
+            request = encoded(described.request(data))
+            try:
+                return decoded(described.reply, send(request, timeout)).message
+            except ServiceError as error:
+                return type(error).__name__
 
-        return answer
+        return call
 
-    results["nobody serves"] = outcome(call("/nobody", 0.2))
-    asked = threading.Event()
-    kept: list[Any] = []
+    results["nobody serves"] = client("/nobody")(0.2)
 
-    def serve(name: str, on_request: Callable[[bytes, Any], object]) -> None:
-        """Serve, and wait until requests come; those with False are answered at once."""
-        served = service(name)
+    def serve(name: str) -> tuple[Callable[..., Any], Queue[Any]]:
+        """Serve; return a client that knows it, and how its requests are answered.
+
+        Those with False are answered at once.
+        """
+        described = service(name)
+        requests: Queue[Any] = Queue()
 
         def take(octets: bytes, reply: Any) -> None:
-            if decoded(served.request, octets).data:
-                on_request(octets, reply)
+            def respond(text: str) -> None:
+                reply(encoded(described.reply(True, text)))
+
+            if decoded(described.request, octets).data:
+                requests.put(respond)
             else:
-                reply(encoded(served.reply(True, "known")))
+                respond("known")
 
-        there.serve(served, take)
-        probe = here.client(served)
-        known = encoded(served.request(False))
-        while not isinstance(outcome(lambda: probe(known, 1.0)), bytes):
+        there.serve(described, take)
+        call = client(name)
+        while call(1.0, False) != "known":
             pass
+        return call, requests
 
-    def silent(octets: bytes, reply: Any) -> None:
-        kept.append(reply)
-        asked.set()
-
-    serve("/silent", silent)
-    results["no response"] = outcome(call("/silent", 1.0))
-    replies: list[Any] = []
-    serve("/late", lambda octets, reply: replies.append(reply))
-    late = call("/late", 1.0)
-    results["late"] = outcome(late)
-    response = encoded(service("/late").reply(True, "late"))
-    replies[0](response)
+    silent, unanswered = serve("/silent")
+    results["no response"] = silent(1.0)
+    held = [unanswered.get()]
+    late, requests = serve("/late")
+    results["late"] = late(1.0)
+    requests.get()("late")
     time.sleep(0.2)
     with ThreadPoolExecutor() as pool:
-        again = pool.submit(outcome, late)
-        while len(replies) < 2:
-            time.sleep(0.01)
-        replies[1](encoded(service("/late").reply(True, "in time")))
+        again = pool.submit(late, LONG)
+        requests.get()("in time")
         results["after a late one"] = again.result()
         # Requests are answered in another order.
-        held: list[Any] = []
-        serve("/order", lambda octets, reply: held.append(reply))
-        order = call("/order", LONG)
-        many = [pool.submit(outcome, order) for _ in range(5)]
-        while len(held) < 5:
-            time.sleep(0.01)
-        for number, reply in reversed(list(enumerate(held))):
-            reply(encoded(service("/order").reply(True, str(number))))
-        results["in another order"] = sorted(str(each.result()) for each in many)
-        asked.clear()
-        ended = pool.submit(outcome, call("/silent", LONG))
-        asked.wait()
+        order, requests = serve("/order")
+        many = [pool.submit(order, LONG) for _ in range(5)]
+        came = [requests.get() for _ in many]
+        for number, respond in reversed(list(enumerate(came))):
+            respond(str(number))
+        results["in another order"] = sorted(each.result() for each in many)
+        ended = pool.submit(silent, LONG)
+        held.append(unanswered.get())
         here.end_calls()
         results["the run ends"] = ended.result()
-        asked.clear()
-        lost = pool.submit(outcome, call("/silent", LONG))
-        asked.wait()
+        lost = pool.submit(silent, LONG)
+        held.append(unanswered.get())
         there.close()
         results["the server is lost"] = lost.result()
     here.close()

@@ -11,11 +11,11 @@ from types import ModuleType
 from typing import Any
 
 import pytest
+from free_ports import free_port
 from logged_process import LoggedProcess
 from media import own_domain
 from ros2_peers import installation
 from test_colcon import Workspace
-from test_ros_boards import free_port
 
 from rtgen.cli import run
 from rtgen.runtime.opaque_rpc import E_OBJ, E_RPC, ERCD, TcpServer

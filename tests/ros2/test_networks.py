@@ -5,7 +5,6 @@ Names, types and hashes of the other side are written by hand as ROS 2 has them.
 
 from __future__ import annotations
 
-import socket
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -15,6 +14,7 @@ from typing import Any
 
 import media
 import pytest
+from free_ports import free_port
 from patience import PATIENCE, until
 
 from rtgen.facts.ros_qos import PROFILES, History, Profile
@@ -174,12 +174,6 @@ def test_types_of_dds_outlive_the_network_that_brought_them() -> None:
     """Cyclone DDS would look at memory that is free, and end the process."""
     script = SUCCESSORS.format(domain=DOMAIN)
     subprocess.run([sys.executable, "-c", script], check=True, timeout=PATIENCE)
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port: int = server.getsockname()[1]
-        return port
 
 
 def zenoh_pair(stack: ExitStack) -> tuple[Any, Any, str]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import json
 import os
-import socket
 import subprocess
 import sys
 from pathlib import Path
@@ -12,6 +11,7 @@ from typing import Any
 
 import media
 import pytest
+from free_ports import free_port
 from logged_process import LoggedProcess
 from ros2_peers import installation
 from type_checkers import check_by_mypy
@@ -31,12 +31,6 @@ EDS = ROOT / "specs" / "canopen" / "epos_drive.eds"
 CDL = ROOT / "specs" / "tecs" / "board.cdl"
 DOMAIN = media.own_domain()
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port: int = server.getsockname()[1]
-        return port
 
 
 @pytest.mark.peer

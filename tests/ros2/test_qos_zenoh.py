@@ -9,7 +9,7 @@ from typing import Any
 from uuid import uuid4
 
 import pytest
-from media import free_port
+from free_ports import free_port
 from patience import until
 
 from rtgen.facts import ros_zenoh

@@ -8,7 +8,6 @@ from __future__ import annotations
 import importlib
 import os
 import re
-import socket
 import struct
 import sys
 from collections.abc import Callable, Iterator
@@ -16,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from free_ports import free_port
 from logged_process import LoggedProcess
 from patience import until
 from test_networks import DOMAIN, dds_network, participant, reliable
@@ -39,12 +39,6 @@ EMPTY = """<?xml version="1.0" encoding="UTF-8"?>
 <rts:RtsProfile rts:id="RTSystem:me:nothing:1.0.0" rts:version="0.2"
     xmlns:rts="http://www.openrtp.org/namespaces/rts"/>
 """
-
-
-def free_port() -> int:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port: int = server.getsockname()[1]
-        return port
 
 
 def rtgen(

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import socket
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -12,6 +11,7 @@ from pathlib import Path
 from typing import Any, TypeAlias
 
 import pytest
+from free_ports import free_port
 
 from rtgen.cli import run
 from rtgen.runtime.opaque_rpc import E_BOVR, E_OBJ, E_RPC, ERCD, NETWORK
@@ -164,8 +164,7 @@ def test_calls_are_printed(cdl: Path, call: Call) -> None:
 
 
 def test_nobody_listens(cdl: Path, capsys: pytest.CaptureFixture[str]) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as free:
-        address = f"127.0.0.1:{free.getsockname()[1]}"
+    address = f"127.0.0.1:{free_port()}"
     words = ["rpc", "call", address, "--cdl", str(cdl), "--timeout", "0.1"]
     assert run([*words, "sMove.fill", '{"n": 1}']) == 3
     captured = capsys.readouterr()

@@ -9,6 +9,8 @@ import subprocess
 import sys
 from types import TracebackType
 
+from free_ports import free_port
+
 from rtgen.runtime import RealClock
 from rtgen.runtime.canopen.bus.link import Link
 from rtgen.runtime.canopen.bus.links import open_link
@@ -33,7 +35,7 @@ class HubProcess:
                 "can",
                 "hub",
                 "--port",
-                str(port),
+                str(port or free_port()),
                 *options,
             ],
             stdout=subprocess.PIPE,

@@ -9,6 +9,7 @@ from itertools import count
 
 import can
 import pytest
+from free_ports import free_port
 from stations import Recorder
 
 from rtgen.runtime import RealClock
@@ -383,9 +384,7 @@ def test_options_have_types() -> None:
 
 
 def test_no_hub() -> None:
-    with socket.socket() as end:
-        end.bind(("127.0.0.1", 0))
-        port = end.getsockname()[1]
+    port = free_port()
     text = (
         f"socketcand can0 at 127.0.0.1:{port}: Connection refused; is `rtgen can hub`"
     )

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import socket
 import subprocess
 import sys
 from collections.abc import Callable
@@ -16,6 +15,7 @@ pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
 
 from corba_runs import BOARD, NAVIGATION, ROOT, Here, Run
+from free_ports import free_port
 
 from rtgen.cli import run as rtgen
 
@@ -82,8 +82,7 @@ def test_two_processes(start: Callable[..., Run]) -> None:
 def test_the_wheels_of_rh3_in_one_process_and_its_marshaller_in_another(
     start: Callable[..., Run],
 ) -> None:
-    with socket.create_server(("127.0.0.1", 0)) as server:
-        port = str(server.getsockname()[1])
+    port = str(free_port())
     there = "OpaqueRpcCommunication0,MotorBoardMarshaller0"
     rest = (
         "PositionInput0,OmniTo2WD0,Navigation0,PathFollower0,RefHardRh3Tecs0,Odometry0"

@@ -19,6 +19,7 @@ from typing import Any
 import media
 import pytest
 from distributed_system import Process, sample
+from free_ports import free_port
 from patience import PATIENCE, until
 from seeds import cases
 
@@ -50,7 +51,7 @@ HEADER = b"\0\1\0\0"
 
 @pytest.fixture
 def locator() -> str:
-    return f"tcp/127.0.0.1:{media.free_port()}"
+    return f"tcp/127.0.0.1:{free_port()}"
 
 
 @pytest.fixture
@@ -254,7 +255,7 @@ def test_routers_of_robots_join_at_a_site(stack: ExitStack, locator: str) -> Non
     site_router = stack.enter_context(ExitStack())
     site_router.enter_context(media.router(locator))
     robots = {}
-    places = [f"tcp/127.0.0.1:{media.free_port()}" for _ in range(2)]
+    places = [f"tcp/127.0.0.1:{free_port()}" for _ in range(2)]
     for name, place in zip(("site/robot1", "site/robot2"), places, strict=True):
         stack.enter_context(media.router(place, locator))
         medium = ZenohMedium(name, Endpoints(connect=(place,)))
@@ -407,7 +408,7 @@ def test_files_of_zenoh_encrypt_and_keep_strangers_out(
     stack: ExitStack, tmp_path: Path
 ) -> None:
     certify(tmp_path, "router", "robot", "stranger")
-    place = f"127.0.0.1:{media.free_port()}"
+    place = f"127.0.0.1:{free_port()}"
 
     def file(text: str, name: str) -> Path:
         made = tmp_path / f"{name}.json5"
@@ -475,7 +476,7 @@ def test_certificates_that_a_site_does_not_accept(
     for name in ("site.key", "site.pem"):
         shutil.copy(tmp_path / f"ours.{name}", tmp_path / name)
     shutil.copy(tmp_path / "robot.pem", tmp_path / "lost.pem")  # without its key
-    place = f"127.0.0.1:{media.free_port()}"
+    place = f"127.0.0.1:{free_port()}"
 
     def file(text: str, name: str) -> Path:
         made = tmp_path / f"{name}.json5"
