@@ -188,7 +188,7 @@ def test_a_record_of_pdo_linking_is_whole_and_replays(
         assert recorder.stderr is not None
         assert "recording" in recorder.stderr.readline()
         file = str(CANOPEN / "pdo_linking.xml")
-        command = ["run", file, "--clock", "real", "--until", "4", *options(settings)]
+        command = ["run", file, "--clock", "real", "--until", "6", *options(settings)]
         with started(*command) as running:
             output = running.communicate(timeout=60)
             assert running.returncode == 0, output

@@ -323,8 +323,13 @@ class Peer:
         self.ends["timer", topic] = self.node.create_timer(period, tell)
         self.tell("following", topic)
 
-    def lead(self, start: int, step: float, period: float) -> None:
-        """Publish `/clock` from now on: each period, from a time [s], in steps [s]."""
+    def lead(self, start: int, step: float, period: float, topic: str) -> None:
+        """Publish `/clock` once somebody publishes a topic.
+
+        Each period, from a time [s], in steps [s].
+        """
+        while not self.node.count_publishers(topic):
+            time.sleep(0.01)
         class_ = class_of("rosgraph_msgs/msg/Clock")
         writer = self.node.create_publisher(class_, "/clock", QoSProfile(depth=1))
         count = 0

@@ -11,7 +11,7 @@ from typing import Any
 
 import pytest
 from action_package import generated
-from patience import until
+from patience import PATIENCE, until
 
 from rtgen.runtime import RTC_OK, RealClock, SimulatedClock, System
 from rtgen.runtime.ros2.goal_clients import ClientGoal, GoalClient
@@ -49,12 +49,18 @@ class Moving(GoalServer):
         self.go = threading.Event()
         self.how = GoalHandle.succeed
         self.cancels = True
+        self.asked = threading.Event()
+        """Set once a client waits for a result."""
 
     def accept(self, goal: Any) -> bool:
         return bool(goal.x >= 0)
 
     def accept_cancel(self, goal: GoalHandle) -> bool:
         return self.cancels
+
+    def _get_result(self, request: Any) -> Any:
+        self.asked.set()
+        return super()._get_result(request)
 
     def execute(self, goal: GoalHandle) -> Any:
         goal.publish_feedback(self.action.Go_Feedback(2.0 * goal.goal.x))
@@ -194,7 +200,7 @@ def test_goals_are_bounded(stack: ExitStack, go: ModuleType) -> None:
 
 def test_a_server_that_is_deactivated_ends_its_goals(ends: Ends) -> None:
     goal = ends.send(1.0)
-    ends.until(lambda: ends.feedback)
+    ends.until(ends.server.asked.is_set)
     ends.system.deactivate("Mover0")
     assert ends.status_of(goal) == [GoalStatus.ABORTED]
     ends.until(lambda: not ends.mover.is_active)
@@ -208,7 +214,7 @@ def test_a_client_that_is_deactivated_cancels_its_goals(ends: Ends) -> None:
     goal = ends.send(1.0)
     ends.until(lambda: ends.feedback)
     ends.system.deactivate("Asker0")
-    assert goal.wait(20.0)
+    assert goal.wait(PATIENCE)
     assert goal.status is GoalStatus.CANCELED
     ends.until(lambda: not ends.asker.is_active)
     assert ends.results == []

@@ -181,9 +181,11 @@ def test_received_and_lost_are_all_that_was_sent(
     try:
         numbers = count()
         publish_until(peer, topic, port.is_new, numbers)
-        first, before = int(port.read().data), port.lost
         begin = next(numbers)
         end = begin + NUMBER
+        # The last one before the burst.
+        until(lambda: port.is_new() and port.read().data == begin - 1)
+        first, before = begin - 1, port.lost
         values = [{"data": float(number)} for number in range(begin, end)]
         peer.do("publish", topic, FLOAT, values)
         peer.event("published")

@@ -8,7 +8,6 @@ from __future__ import annotations
 import json
 import os
 import random
-import socket
 import subprocess
 import sys
 import time
@@ -21,6 +20,7 @@ from typing import Any, NamedTuple
 
 import media
 import pytest
+from free_ports import free_port
 from own_peer import Classes, OwnPeer
 from patience import PATIENCE, until
 from random_values import Values, told
@@ -155,8 +155,7 @@ def _peer(
         pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
         from rtgen.runtime.ros2.zenoh import configuration, open_zenoh
 
-        with socket.create_server(("127.0.0.1", 0)) as server:
-            place = f"tcp/127.0.0.1:{server.getsockname()[1]}"
+        place = f"tcp/127.0.0.1:{free_port()}"
         network = open_zenoh(own, config=configuration(connect=None, listen=place))
         more = 'zenoh = "zenoh.json5"'
         settings = {
@@ -540,7 +539,7 @@ def test_calls_that_fail(beside: Beside) -> None:
         library = {"dds": "cyclonedds", "zenoh": "zenoh"}[beside.network]
         pytest.importorskip(library, reason=f"{library} is not installed")
     done = subprocess.run(
-        [python, str(CALLS), beside.network],
+        [python, str(CALLS), beside.network, str(free_port())],
         env=environment,
         stdout=subprocess.PIPE,
         text=True,

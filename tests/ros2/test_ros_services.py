@@ -445,14 +445,12 @@ class Waiting(Component):
         super().__init__("W0")
         self.lamp = lamp
         self.other = self.add_consumer("other", "lamp", lamp.Lamp)
-        self.waits = threading.Event()
         self.ended: list[str] = []
 
     def ask(self) -> None:
         self.other.set(self.lamp.std_srvs.srv.SetBool_Request(True))
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        self.waits.set()
         try:
             self.ask()
         finally:
@@ -481,18 +479,33 @@ def test_a_call_that_waits_ends_with_the_run(
 ) -> None:
     """That is no failure: the component is deactivated, where it can still call."""
     monkeypatch.setitem(globals(), "NAME", f"silent_{uuid4().hex}")
+    asked = threading.Event()
     if kind == "dds":
         network = dds_network()
         silent = dds_network()
-        silent.serve(service(lamp), lambda octets, reply: None)
+        silent.serve(service(lamp), lambda octets, reply: asked.set())
         stack.callback(silent.close)
     else:
         network, plain, _ = zenoh_pair(stack)
         held: list[Any] = []
-        key = zenoh_key(lamp)
-        queryable = plain.declare_queryable(key, held.append, complete=True)
+
+        def hold(query: Any) -> None:
+            """Hold requests; what nobody holds ends a call."""
+            if query.payload is not None and query.payload.to_bytes():
+                held.append(query)
+                asked.set()
+
+        queryable = plain.declare_queryable(zenoh_key(lamp), hold, complete=True)
         stack.callback(held.clear)
         stack.callback(queryable.undeclare)
+        probe = network.client(service(lamp))
+
+        def is_known() -> bool:
+            with pytest.raises(ServiceError) as raised:
+                probe(b"", 1.0)
+            return not isinstance(raised.value, ObjectNotExist)
+
+        until(is_known)
     stack.callback(network.close)
     component = Waiting(lamp)
     system = System(RealClock())
@@ -503,7 +516,7 @@ def test_a_call_that_waits_ends_with_the_run(
     system.add(component, 100.0)
     assert system.activate("W0") == RTC_OK
     system.run(system.time + 1)
-    assert component.waits.wait(PATIENCE)
+    assert asked.wait(PATIENCE)
     short = RosServices(network, [joint], 0.05)
     stack.callback(short.close)
     system.close()

@@ -261,10 +261,10 @@ def test_a_run_follows_a_clock_of_rclpy(module: str) -> None:
     with node(installation("jazzy"), "n", domain=media.own_domain()) as peer:
         peer.do("subscribe", "/out", "std_msgs/msg/Float64", 1000)
         peer.event("subscribed")
-        peer.do("lead", 1000, 0.02, 0.002)
-        peer.event("leading")
+        peer.do("lead", 1000, 0.02, 0.01, "/out")
         run = ["run", "s.xml", "--ros2", "dds", "--clock", "ros", "--until", "2"]
         assert rtgen(run) == 0
+        peer.event("leading")
         peer.do("nodes")
         peer.event("nodes")
         told = [e[2]["data"] for e in peer.events if e[0] == "message"]

@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import json
 import logging
+import os
 from pathlib import Path
 from typing import Any
 
 import media
 import pytest
+from logged_process import LoggedProcess
 from rclpy_node import node
 from ros2_peers import installation
 
@@ -163,19 +165,19 @@ def test_rosout(level: int, told: int) -> None:
 
 @pytest.mark.peer
 @pytest.mark.waits
-def test_a_node_of_rclpy_reads_rosout() -> None:
+def test_a_node_of_rclpy_reads_rosout(tmp_path: Path) -> None:
     """Late, too: the lines are kept for ten seconds."""
     pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
     with node(installation("jazzy"), "n", domain=media.own_domain()) as peer:
         peer.do("subscribe", "/rosout", "rcl_interfaces/msg/Log")
         peer.event("subscribed")
-        run = ["run", "s.xml", "--ros2", "dds", "--clock", "real", "--until", "4"]
-        assert rtgen(run) == 0
-        peer.do("nodes")
-        peer.event("nodes")
-        told = [
-            e[2] for e in peer.events if e[0] == "message" and e[2]["name"] == "lab.T0"
-        ]
+        options = ["-m", "rtgen", "run", "s.xml", "--ros2", "dds", "--clock", "real"]
+        run = LoggedProcess(options, tmp_path, os.environ, tmp_path / "run.log")
+        try:
+            told = [peer.event("message")[1] for _ in range(5)]
+        finally:
+            assert run.end() == 0, run.text
+    assert {m["name"] for m in told} == {"lab.T0"}
     assert {(m["level"], m["msg"]) for m in told} >= {(40, "again")}
     assert all(m["file"].endswith(".py") and m["line"] > 0 for m in told)
     assert all(m["stamp"]["sec"] > 1_700_000_000 for m in told)

@@ -279,7 +279,7 @@ def test_a_node_that_falls_silent_leaves_a_partial_file(tmp_path: Path) -> None:
     target, slave = tmp_path / "part.eds", Odd(NODE)
     slave.read_before_silence = 70
     with attached(slave) as (name, _):
-        options = ("--for", "0.01", "--range", "2000-2010")
+        options = ("--for", "0.5", "--range", "2000-2010")
         assert scanned(name, target, *options) == 1
     assert target.read_text().startswith("; PARTIAL: no answer from ")
     assert read(target).find(0x1000) is not None

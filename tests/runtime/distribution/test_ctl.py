@@ -15,6 +15,7 @@ from patience import PATIENCE, until
 
 from rtgen import runtime
 from rtgen.cli import run as rtgen
+from rtgen.cli.ctl import commands
 
 Ctl = Callable[..., tuple[int, str, str]]
 pytestmark = [
@@ -159,10 +160,20 @@ def test_parameters_are_read_and_set(node: Process, ctl: Ctl) -> None:
     assert text == "Error: b has no configuration parameter 'speed'; known: gain\n"
 
 
-def test_changes_are_watched(node: Process, ctl: Ctl) -> None:
-    activated = threading.Timer(1.0, node.system.activate, ("b",))
-    activated.start()
-    code, text, _ = ctl("watch", "--json", "--for", "3")
+def test_changes_are_watched(
+    node: Process, ctl: Ctl, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    assert ctl("watch", "--for", "0.1")[0] == 0
+    write = commands.write_out
+
+    def activate_then_end(text: str) -> None:
+        write(text)
+        if "INACTIVE" not in text:
+            raise KeyboardInterrupt
+        node.system.activate("b")
+
+    monkeypatch.setattr(commands, "write_out", activate_then_end)
+    code, text, _ = ctl("watch", "--json")
     assert code == 0
     events = [valid(line, "ctl.schema.json", "event") for line in text.splitlines()]
     assert [event["state"] for event in events] == ["INACTIVE", "ACTIVE"]

@@ -329,7 +329,7 @@ def test_changes_are_undone_and_made_again(page: Watcher, names: str) -> None:
     page.done("chosen", ui.ActiveSet(name, "fast"))
     page.done("connection", page.wires()[SOURCE, TARGET])
     page.until(lambda: (SOURCE, TARGET) not in page.wires())
-    assert page.components[name].active_set == "fast"
+    page.until(lambda: page.components[name].active_set == "fast")
     page.until(lambda: page.edits.undo.startswith("cut velocity"))
     page.done("undone", True)
     page.until(lambda: (SOURCE, TARGET) in page.wires())
@@ -461,7 +461,7 @@ def test_a_peer_that_is_frozen_or_dead_says_so_and_blocks_nothing(
     page.until(lambda: page.session.runner.system.time > before)
     os.kill(process.pid, signal.SIGCONT)
     page.until(lambda: not silent())
-    assert {f"lost {name}", f"found {name}"} <= {*page.notices}
+    page.until(lambda: {f"lost {name}", f"found {name}"} <= {*page.notices})
     process.kill()
     process.wait()
     page.until(lambda: len(silent()) == len(dead()) == 6)

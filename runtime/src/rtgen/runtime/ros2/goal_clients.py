@@ -134,23 +134,24 @@ class GoalClient:
             named(request)
             request.goal = goal.goal
 
+        status = GoalStatus.UNKNOWN
         try:
             goal.accepted = bool(self._call("send_goal", with_goal).accepted)
             if goal.accepted:
                 self._advance(goal, GoalStatus.ACCEPTED)
                 response = self._call("get_result", named)
-                goal.status, goal.result = GoalStatus(response.status), response.result
+                status, goal.result = GoalStatus(response.status), response.result
         except ServiceError as error:
             goal.error = error
-            goal.status = GoalStatus.UNKNOWN
         except ValueError as error:
             goal.error = ServiceError(str(error))
-        self._end_of(goal)
+        self._end_of(goal, status)
 
-    def _end_of(self, goal: ClientGoal) -> None:
+    def _end_of(self, goal: ClientGoal, status: GoalStatus) -> None:
         with self._lock:
             is_under_way = self._goals.pop(goal.id, None) is not None
-        goal._ended.set()
+            goal.status = status
+            goal._ended.set()
         if is_under_way:
             self._in_tick("on_result", lambda: self._tell_result(goal))
 
@@ -191,9 +192,10 @@ class GoalClient:
                 self._advance(goal, GoalStatus(each.status))
 
     def _advance(self, goal: ClientGoal, status: GoalStatus) -> None:
-        """Set a state that may have been overtaken by a later one."""
+        """Set a state that may have been overtaken by a later one, or by the end."""
         with self._lock:
-            goal.status = max(goal.status, status)
+            if not goal.has_ended:
+                goal.status = max(goal.status, status)
 
     def _in_tick(self, name: str, function: Callable[[], None]) -> None:
         """Call a user's function at the end of the next tick."""

@@ -6,8 +6,9 @@ Components are configured before they are visible, and end with their run, so th
 
 from __future__ import annotations
 
-from concurrent.futures import Future
+from concurrent.futures import Future, InvalidStateError
 from concurrent.futures import TimeoutError as FutureTimeoutError
+from contextlib import suppress
 from typing import Any, Final, NamedTuple, TypeAlias
 
 from rtgen.runtime.failures import log
@@ -100,9 +101,7 @@ class LifeCycle:
 
     def changed(self, record: StateRecord) -> Members | None:
         """Record a change of state; return the members of its TransitionEvent."""
-        for change in list(self._changes):
-            if not change.done():
-                change.set_result(record.after)
+        self._end_waiting(record.after)
         transition = _BY_STATES.get((record.before, record.after))
         if transition is None:
             return None
@@ -111,9 +110,13 @@ class LifeCycle:
     def close(self) -> None:
         """End waiting requests without success."""
         self._closed = True
+        self._end_waiting(None)
+
+    def _end_waiting(self, state: LifeCycleState | None) -> None:
         for change in list(self._changes):
-            if not change.done():
-                change.set_result(None)
+            # The end of a run, in another thread, may be first.
+            with suppress(InvalidStateError):
+                change.set_result(state)
 
     @property
     def _state(self) -> LifeCycleState:
