@@ -1,11 +1,10 @@
 /** CAN buses: load, nodes, frames in words, signals over time, emergencies. */
 
 import { useState } from "react";
-import uPlot from "uplot";
 import { Menu } from "./Menu.tsx";
 import type { Place } from "./Menu.tsx";
 import { Objects } from "./Objects.tsx";
-import type { Curves } from "./Plot.tsx";
+import type { Curve } from "./curves.ts";
 import { Plot, Span } from "./Plot.tsx";
 import { Send } from "./Send.tsx";
 import type { Line } from "./lines.ts";
@@ -77,13 +76,11 @@ function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: b
 }
 
 function Load({ bus }: { bus: Bus }) {
-  const read = (): Curves | undefined => {
-    const loads = store.traffic.loads.get(bus.name);
-    if (!loads) return undefined;
-    const measured = loads.map((each) => each.load * 100);
+  const read = (): Curve[] => {
+    const loads = store.traffic.loads.get(bus.name) ?? [];
     const times = loads.map((each) => each.time);
-    if (bus.computed_load < 0) return { names: ["measured"], units: ["%"], data: [times, measured] };
-    return { names: ["measured", "computed"], units: ["%", "%"], data: [times, measured, times.map(() => bus.computed_load * 100)] };
+    const curve = (key: string, colour: number, value: (load: number) => number): Curve => ({ key, name: key, unit: "%", times, values: loads.map((each) => 100 * value(each.load)), colour });
+    return [curve("measured", 0, (load) => load), ...(bus.computed_load < 0 ? [] : [curve("computed", 1, () => bus.computed_load)])];
   };
   const last = store.traffic.loads.get(bus.name)?.at(-1);
   return (
@@ -93,7 +90,7 @@ function Load({ bus }: { bus: Bus }) {
         {last ? `${bus.bit_rate > 0 ? `load ${(last.load * 100).toFixed(1)} %, ` : ""}${last.frames} frames/s` : "load not measured yet"}
         {bus.computed_load >= 0 && `, computed ${(bus.computed_load * 100).toFixed(1)} %`}
       </p>
-      {bus.bit_rate > 0 && <Plot source={bus.name} read={read} label={`Load of ${bus.name} over time`} />}
+      {bus.bit_rate > 0 && <Plot id={`load ${bus.name}`} read={read} label={`Load of ${bus.name} over time`} zero />}
     </>
   );
 }
@@ -137,14 +134,10 @@ function Signals({ bus }: { bus: string }) {
     const signal = signals.get(key);
     return signal ? [{ key, ...signal }] : [];
   });
-  const read = (): Curves | undefined => {
-    if (!shown.length) return undefined;
-    return {
-      names: shown.map((each) => each.name),
-      units: shown.map((each) => each.unit),
-      data: uPlot.join(shown.map((each) => [each.times, each.numbers])),
-    };
-  };
+  const read = (): Curve[] => chosen.flatMap((key, colour) => {
+    const signal = signals.get(key);
+    return signal ? [{ key, name: signal.name, unit: signal.unit, times: signal.times, values: signal.numbers, colour }] : [];
+  });
   return (
     <section aria-label="Signals">
       <h2>Signals</h2>
@@ -164,7 +157,7 @@ function Signals({ bus }: { bus: string }) {
           <bdi>{name}</bdi> ×
         </button>
       ))}
-      {shown.length > 0 && <Plot source={chosen.join()} read={read} label="Signals over time" />}
+      {shown.length > 0 && <Plot id={`signals ${bus}`} read={read} label="Signals over time" />}
     </section>
   );
 }

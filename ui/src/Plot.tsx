@@ -1,91 +1,60 @@
-/** Plots of numbers over time. */
+/** Plots of numbers over time: pictures, and a table of their curves. */
 
-import { useEffect, useRef } from "react";
+import { Download, Image, Maximize2, X, ZoomIn, ZoomOut } from "lucide-react";
+import type { CSSProperties, DragEvent, ReactNode } from "react";
+import { useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 import uPlot from "uplot";
 import { colour } from "./colours.ts";
-import type { Track } from "./store.ts";
+import type { Curve } from "./curves.ts";
+import { FIRST, csv, figuresOf, inPictures, joined, labelOf, stampOf, until, valueAt } from "./curves.ts";
+import { IconButton } from "./kit/Button.tsx";
 import { store } from "./store.ts";
 
-const MAX_CURVES = 8;
-/** Number of axes of values of a plot. */
-const AXES = 2;
-/** Height of a plot [px]. */
-const HEIGHT = 180;
-
+/** Height of a picture [px]. */
+const HEIGHT = 200;
 /** The duration shown by plots [s]; 0: the whole run. */
 const SPANS = [5, 30, 0];
+const ZOOM = 0.5;
+/** The shortest time to zoom to [s]. */
+const SHORTEST = 1e-6;
 
-export interface Curves {
-  names: string[];
-  /** The unit of each curve; empty without one. Each unit has a scale of its own. */
-  units: string[];
-  data: uPlot.AlignedData;
-  /** Number of curves of this run, which come first; the rest, dashed, belong to the compared run. */
-  own?: number;
-}
+/** The time that the cursor of all plots points at. */
+class Cursor {
+  time: number | undefined;
+  /** The picture that the mouse is over, which has the cursor of the mouse. */
+  owner: uPlot | undefined;
+  private readonly listeners = new Set<() => void>();
 
-/** The curves of a track of samples. */
-export function curvesOf(track: Track | undefined, unitOf: (name: string) => string): Curves | undefined {
-  if (!track) return undefined;
-  const curves = [...track.numbers].filter(([name]) => !/^tm\b/.test(name)).slice(0, MAX_CURVES);
-  const names = curves.map(([name]) => name);
-  return { names, units: names.map(unitOf), data: [track.times, ...curves.map(([, row]) => row)] };
-}
+  point(time: number | undefined, owner?: uPlot): void {
+    if (this.time === time && this.owner === owner) return;
+    [this.time, this.owner] = [time, owner];
+    for (const listener of this.listeners) listener();
+  }
 
-/** The curves of these units. */
-export function ofUnits(curves: Curves | undefined, shown: readonly string[]): Curves | undefined {
-  if (!curves) return undefined;
-  const own = curves.own ?? curves.names.length;
-  const kept = curves.units.flatMap((unit, i) => (shown.includes(unit) ? [i] : []));
-  const [times, ...rows] = curves.data;
-  return {
-    names: kept.map((i) => curves.names[i]!),
-    units: kept.map((i) => curves.units[i]!),
-    data: [times, ...kept.map((i) => rows[i]!)],
-    own: kept.filter((i) => i < own).length,
+  subscribe = (listener: () => void): (() => void) => {
+    this.listeners.add(listener);
+    return () => this.listeners.delete(listener);
   };
+
+  snapshot = (): number | undefined => this.time;
 }
 
-/** Units in groups for one plot each, which has an axis on its left and one on its right. */
-export function inPlots(units: Iterable<string>): string[][] {
-  const all = [...new Set(units)];
-  return all.flatMap((_, i) => (i % AXES ? [] : [all.slice(i, i + AXES)]));
-}
+const cursor = new Cursor();
 
-/** The curves of two runs over a common time; the names of the second run are marked. */
-export function overlaid(curves: Curves | undefined, beside: Curves | undefined): Curves | undefined {
-  if (!beside) return curves;
-  const names = beside.names.map((each) => `${each} (beside)`);
-  if (!curves) return { ...beside, names, own: 0 };
-  return {
-    names: [...curves.names, ...names],
-    units: [...curves.units, ...beside.units],
-    data: uPlot.join([curves.data, beside.data]),
-    own: curves.names.length,
-  };
-}
+/** Which curves are shown, by plot and curve; kept while views change. */
+const choices = new Map<string, Map<string, boolean>>();
 
 /** The key of a unit's scale: no text of a unit is `x`, or a member that all objects have. */
 const scaleOf = (unit: string): string => `unit ${unit}`;
 
-function series({ names, units, own = names.length }: Curves): uPlot.Series[] {
-  const several = new Set(units).size > 1;
-  return names.map((name, i) => ({
-    label: several && units[i] ? `${name} [${units[i]}]` : name,
-    scale: scaleOf(units[i]!),
-    spanGaps: true,
-    stroke: colour(i < own ? i : i - own),
-    width: 2,
-    ...(i >= own && { dash: [5, 4] }),
-  }));
-}
-
 /** Selects the duration shown by all plots. */
 export function Span() {
+  const { span, zoom } = store.page;
   return (
     <label>
       Plots show
-      <select value={store.page.span} onChange={(e) => store.span(Number(e.target.value))}>
+      <select value={zoom ? "" : span} onChange={(e) => store.span(Number(e.target.value))}>
+        {zoom && <option value="">{`${brief(zoom[0])} s to ${brief(zoom[1])} s`}</option>}
         {SPANS.map((each) => (
           <option key={each} value={each}>
             {each ? `the last ${each} s` : "the run"}
@@ -96,69 +65,331 @@ export function Span() {
   );
 }
 
+/** The times that plots show, of those from `first` to `last` [s]. */
+function shownTimes(first: number, last: number): [number, number] {
+  const { span, zoom } = store.page;
+  return zoom ? [...zoom] : [span ? Math.max(first, last - span) : first, last];
+}
+
+const brief = (value: number): string => (Number.isNaN(value) ? "" : String(Number(value.toPrecision(5))));
+
 /** Whether the page is dark; its change creates new plots, whose axes have its colours. */
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
 /** Space for the longest label of an axis [px]. */
 const space = (_: unknown, labels: readonly string[] | null): number => 20 + 7 * Math.max(4, ...(labels ?? []).map((each) => each.length));
 
-const range = (_: unknown, first: number, last: number): [number, number] => [store.page.span ? Math.max(first, last - store.page.span) : first, last];
+function options(curves: readonly Curve[], text: string, size: { width: number; height: number }, zero: boolean): uPlot.Options {
+  const units = [...new Set(curves.map((each) => each.unit))];
+  const axis = { stroke: text, grid: { stroke: "#8884", width: 1 }, ticks: { stroke: "#8884" } };
+  return {
+    ...size,
+    scales: {
+      x: { time: false, range: (_, first, last) => shownTimes(first, last) },
+      ...(zero && Object.fromEntries(units.map((unit) => [scaleOf(unit), { range: (_: unknown, __: unknown, most: number): [number, number] => [0, 1.1 * most || 1] }]))),
+    },
+    legend: { show: false },
+    cursor: {
+      y: false,
+      drag: { x: true, y: false, setScale: false },
+      bind: { dblclick: () => () => (store.zoom(undefined), null) },
+    },
+    hooks: {
+      setCursor: [
+        (plot) => {
+          const { left = -1 } = plot.cursor;
+          if (left >= 0) cursor.point(plot.posToVal(left, "x"), plot);
+          else if (cursor.owner === plot) cursor.point(undefined);
+        },
+      ],
+      setSelect: [
+        (plot) => {
+          const { left, width } = plot.select;
+          if (!width) return;
+          const [from, to] = [plot.posToVal(left, "x"), plot.posToVal(left + width, "x")];
+          plot.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
+          if (to - from > SHORTEST) store.zoom([from, to]);
+        },
+      ],
+    },
+    axes: [
+      { ...axis, size: 30, label: "time [s]", labelSize: 16 },
+      ...units.map((unit, i) => ({
+        ...axis,
+        scale: scaleOf(unit),
+        size: space,
+        ...(unit && { label: unit }),
+        ...(i > 0 && { side: 1 as const, grid: { show: false } }),
+      })),
+    ],
+    series: [
+      { label: "t" },
+      ...curves.map((each) => ({
+        label: labelOf(each),
+        scale: scaleOf(each.unit),
+        spanGaps: true,
+        stroke: colour(each.colour),
+        width: 2,
+        ...(each.beside && { dash: [5, 4] }),
+      })),
+    ],
+  };
+}
 
-/** `read` is called before each drawing; another `source` creates a new plot. */
-export function Plot({ source, read, label }: { source: string; read: () => Curves | undefined; label: string }) {
+/** One picture. `read` is called before each drawing; another `source` creates a new one. */
+function Picture({ source, read, label, zero, keep }: { source: string; read: () => readonly Curve[]; label: string; zero: boolean; keep: (plot: uPlot | undefined) => void }) {
   const place = useRef<HTMLDivElement>(null);
   const reading = useRef(read);
   reading.current = read;
   useEffect(() => {
     let plot: uPlot | undefined;
-    let names = "";
+    let made = "";
     let drawn = "";
     let frame = 0;
     const draw = () => {
       frame = requestAnimationFrame(draw);
       const curves = reading.current();
-      if (!curves || !place.current) return;
-      const { data } = curves;
+      if (!curves.length || !place.current?.clientWidth) return;
       const size = { width: place.current.clientWidth, height: HEIGHT };
-      const now = [dark.matches, ...curves.names, ...curves.units].join();
-      const stamp = `${store.page.span} ${data.length} ${data[0].length} ${data[0][0]} ${data[0].at(-1)}`;
-      if (!plot || now !== names) {
+      const now = [dark.matches, ...curves.map((each) => `${labelOf(each)} ${each.colour}`)].join();
+      const stamp = `${store.page.span} ${store.page.zoom} ${stampOf(curves)}`;
+      if (!plot || now !== made) {
         plot?.destroy();
-        names = now;
-        const text = getComputedStyle(place.current).color;
-        const axis = { stroke: text, grid: { stroke: "#8884", width: 1 }, ticks: { stroke: "#8884" } };
-        plot = new uPlot(
-          {
-            ...size,
-            scales: { x: { time: false, range } },
-            legend: { live: false, markers: { dash: (_, i) => (i > (curves.own ?? curves.names.length) ? "dashed" : "solid") } },
-            axes: [
-              { ...axis, size: 30, label: "time [s]", labelSize: 16 },
-              ...[...new Set(curves.units)].map((unit, i) => ({
-                ...axis,
-                scale: scaleOf(unit),
-                size: space,
-                ...(unit && { label: unit }),
-                ...(i > 0 && { side: 1 as const, grid: { show: false } }),
-              })),
-            ],
-            series: [{ label: "t" }, ...series(curves)],
-          },
-          data,
-          place.current,
-        );
+        made = now;
+        plot = new uPlot(options(curves, getComputedStyle(place.current).color, size, zero), joined(curves), place.current);
+        keep(plot);
       } else if (stamp !== drawn) {
-        plot.setData(data);
+        plot.setData(joined(curves));
       }
       // Tables beside it, and their scroll bar, may come after the plot.
-      if (size.width && size.width !== plot.width) plot.setSize(size);
+      if (size.width !== plot.width) plot.setSize(size);
       drawn = stamp;
+      if (cursor.owner !== plot) {
+        const left = cursor.time === undefined ? -10 : Math.round(plot.valToPos(cursor.time, "x"));
+        if (left !== plot.cursor.left) plot.setCursor({ left, top: left < 0 ? -10 : 0 }, false);
+      }
     };
     draw();
     return () => {
       cancelAnimationFrame(frame);
+      if (plot && cursor.owner === plot) cursor.point(undefined);
       plot?.destroy();
+      keep(undefined);
     };
   }, [source]);
-  return <div className="plot" ref={place} role="img" aria-label={label} />;
+  /** Moves the cursor by samples, zooms around it, and moves what is shown. */
+  const press = (key: string, far: boolean): boolean => {
+    const [times] = joined(reading.current()) as [number[]];
+    const [first, last] = [times[0], times.at(-1)];
+    if (first === undefined || last === undefined) return false;
+    const [from, to] = shownTimes(first, last);
+    const at = cursor.time ?? to;
+    const step = key === "ArrowRight" ? 1 : key === "ArrowLeft" ? -1 : 0;
+    if (step && far) store.zoom([from + (step * (to - from)) / 4, to + (step * (to - from)) / 4]);
+    else if (step) {
+      const next = step > 0 ? until(times, at) : until(times, at) - (times[until(times, at) - 1] === at ? 2 : 1);
+      cursor.point(Math.min(Math.max(times[Math.min(Math.max(next, 0), times.length - 1)]!, from), to));
+    } else if (key === "+") zoomAround(at, from, to, ZOOM);
+    else if (key === "-") zoomAround(at, from, to, 1 / ZOOM);
+    else if (key === "0") store.zoom(undefined);
+    else if (key === "Escape") cursor.point(undefined);
+    else return false;
+    return true;
+  };
+  return (
+    <div
+      className="plot"
+      ref={place}
+      role="img"
+      tabIndex={0}
+      aria-label={label}
+      title="Drag to zoom, double click for all. Keys: arrows move the cursor, Shift moves the picture, + − 0 zoom"
+      onKeyDown={(e) => {
+        if (e.ctrlKey || e.metaKey || e.altKey || !press(e.key, e.shiftKey)) return;
+        e.preventDefault();
+        e.stopPropagation();
+      }}
+    />
+  );
+}
+
+function zoomAround(at: number, from: number, to: number, factor: number): void {
+  const middle = Math.min(Math.max(at, from), to);
+  if ((to - from) * factor > SHORTEST) store.zoom([middle - (middle - from) * factor, middle + (to - middle) * factor]);
+}
+
+/** Gives the user a file. */
+function download(name: string, content: Blob): void {
+  const link = document.createElement("a");
+  link.href = URL.createObjectURL(content);
+  link.download = name;
+  link.click();
+  setTimeout(() => URL.revokeObjectURL(link.href));
+}
+
+const fileName = (label: string, suffix: string): string => `${label.replace(/[^\w.-]+/g, "_").replace(/^_+|_+$/g, "") || "plot"}.${suffix}`;
+
+const LINE = 18;
+
+/** Pictures below each other, and the names of their curves, as one picture. */
+function composed(plots: readonly uPlot[], curves: readonly Curve[], around: Element): HTMLCanvasElement {
+  const made = document.createElement("canvas");
+  const ratio = window.devicePixelRatio;
+  const pictures = plots.map((each) => each.ctx.canvas);
+  made.width = Math.max(...pictures.map((each) => each.width));
+  made.height = pictures.reduce((sum, each) => sum + each.height, 0) + (curves.length + 0.5) * LINE * ratio;
+  const pen = made.getContext("2d")!;
+  const { color, backgroundColor } = getComputedStyle(around);
+  pen.fillStyle = backgroundColor;
+  pen.fillRect(0, 0, made.width, made.height);
+  let top = 0;
+  for (const each of pictures) {
+    pen.drawImage(each, 0, top);
+    top += each.height;
+  }
+  pen.setTransform(ratio, 0, 0, ratio, 0, top);
+  pen.font = `12px ${getComputedStyle(around).fontFamily}`;
+  curves.forEach((each, i) => {
+    pen.fillStyle = colour(each.colour);
+    pen.fillRect(8, (i + 0.25) * LINE, 12, 12);
+    pen.fillStyle = color;
+    pen.fillText(labelOf(each), 28, (i + 0.8) * LINE);
+  });
+  return made;
+}
+
+interface Props {
+  /** Identifies the plot while the page is open. */
+  id: string;
+  label: string;
+  /** The curves now; those of the compared run follow the one that they belong to. */
+  read: () => readonly Curve[];
+  /** The texts of newest values by key, where they are not numbers. */
+  texts?: ReadonlyMap<string, string>;
+  /** What a row carries when it is dragged, by the key of its curve. */
+  carried?: (key: string) => string;
+  /** Takes a row that is dropped. */
+  dropped?: (carried: string) => void;
+  remove?: (key: string) => (() => void) | undefined;
+  compared?: boolean;
+  /** Whether the axes begin at zero. */
+  zero?: boolean;
+  children?: ReactNode;
+}
+
+/** The kind of what is dragged from a table into a plot. */
+export const MEMBER = "application/x-rtgen-member";
+
+export function Plot({ id, label, read, texts, carried, dropped, remove, compared = false, zero = false, children }: Props) {
+  const [, choose] = useState(0);
+  const plots = useRef(new Map<string, uPlot>());
+  const [over, setOver] = useState(false);
+  const time = useSyncExternalStore(cursor.subscribe, cursor.snapshot);
+  const all = read();
+  const own = all.filter((each) => !each.beside);
+  const rows = [...own, ...all.filter((each) => each.beside && !own.some((one) => one.key === each.key))];
+  const chosen = choices.get(id);
+  const isShown = (key: string): boolean => chosen?.get(key) ?? rows.findIndex((each) => each.key === key) < FIRST;
+  const shownOf = (curves: readonly Curve[]) => curves.filter((each) => isShown(each.key));
+  const shown = shownOf(all);
+  const groups = inPictures(shown.map((each) => each.unit));
+  const [first, last] = [Math.min(...shown.map((each) => each.times[0] ?? Infinity)), Math.max(...shown.map((each) => each.times.at(-1) ?? -Infinity))];
+  const range = shownTimes(first, last);
+  const { zoom } = store.page;
+  const stamp = `${range} ${stampOf(shown)} ${shown.map((each) => each.values.length)}`;
+  const figures = useMemo(() => new Map(shown.filter((each) => !each.beside).map((each) => [each.key, figuresOf(each, range)])), [stamp]);
+  const change = (key: string, show: boolean) => {
+    choices.set(id, new Map(chosen).set(key, show));
+    choose((count) => count + 1);
+  };
+  const now = (curve: Curve | undefined) => {
+    if (!curve) return "";
+    if (time === undefined) return (curve.beside ? undefined : texts?.get(curve.key)) ?? brief(curve.values.at(-1) ?? NaN);
+    return brief(valueAt(curve, time));
+  };
+  const drop = dropped && {
+    onDragOver: (e: DragEvent) => {
+      if (!e.dataTransfer.types.includes(MEMBER)) return;
+      e.preventDefault();
+      setOver(true);
+    },
+    onDragLeave: (e: DragEvent) => !e.currentTarget.contains(e.relatedTarget as Node | null) && setOver(false),
+    onDrop: (e: DragEvent) => {
+      e.preventDefault();
+      setOver(false);
+      dropped(e.dataTransfer.getData(MEMBER));
+    },
+  };
+  const empty = !shown.some((each) => each.times.length);
+  return (
+    <div className={`plots ${over ? "over" : ""}`} {...drop}>
+      <div className="toolbar">
+        <IconButton icon={ZoomIn} look="plain" label="Zoom in time" keys="+" disabled={empty} onClick={() => zoomAround(time ?? range[1], ...range, ZOOM)} />
+        <IconButton icon={ZoomOut} look="plain" label="Zoom out of time" keys="-" disabled={empty || !zoom} onClick={() => zoomAround(time ?? range[1], ...range, 1 / ZOOM)} />
+        <IconButton icon={Maximize2} look="plain" label="Show all times" keys="0" disabled={!zoom} onClick={() => store.zoom(undefined)} />
+        <IconButton icon={Download} look="plain" label={`Save ${label} as CSV`} disabled={empty} onClick={() => download(fileName(id, "csv"), new Blob([csv(shown, range)], { type: "text/csv" }))} />
+        <IconButton
+          icon={Image}
+          look="plain"
+          label={`Save ${label} as PNG`}
+          disabled={empty}
+          onClick={(e) => composed([...plots.current.values()], shown, e.currentTarget.closest(".panel, main") ?? document.body).toBlob((content) => content && download(fileName(id, "png"), content))}
+        />
+        {children}
+        <output aria-label="Time at the cursor">{time === undefined ? "" : `at ${brief(time)} s`}</output>
+      </div>
+      {groups.map((units, i) => (
+        <Picture
+          key={i}
+          source={id}
+          read={() => shownOf(read()).filter((each) => units.includes(each.unit))}
+          label={i ? `${label} in ${units.filter(Boolean).join(", ")}` : label}
+          zero={zero}
+          keep={(plot) => (plot ? plots.current.set(String(i), plot) : plots.current.delete(String(i)))}
+        />
+      ))}
+      {rows.length > 0 && (
+        <div className="rows curves" tabIndex={0} style={{ "--columns": compared ? 7 : 6 } as CSSProperties}>
+          <table aria-label={`Curves of ${label}`}>
+            <thead>
+              <tr>
+                <th scope="col">value</th>
+                <th scope="col">{time === undefined ? "now" : "cursor"}</th>
+                {compared && <th scope="col">beside</th>}
+                <th scope="col">min</th>
+                <th scope="col">max</th>
+                <th scope="col">mean</th>
+                <th scope="col" title="Standard deviation">σ</th>
+                <th scope="col">unit</th>
+              </tr>
+            </thead>
+            <tbody>
+              {rows.map((curve) => {
+                const found = figures.get(curve.key);
+                const taken = remove?.(curve.key);
+                return (
+                  <tr key={curve.key} draggable={carried !== undefined} onDragStart={(e) => carried && e.dataTransfer.setData(MEMBER, carried(curve.key))}>
+                    <th scope="row">
+                      <label>
+                        <input type="checkbox" checked={isShown(curve.key)} onChange={(e) => change(curve.key, e.target.checked)} />
+                        <span className="swatch" style={{ background: colour(curve.colour) }} />
+                        <span>{curve.name}</span>
+                      </label>
+                      {taken && <IconButton icon={X} look="plain" label={`Remove ${curve.name}`} onClick={taken} />}
+                    </th>
+                    <td>{now(curve.beside ? undefined : curve)}</td>
+                    {compared && <td>{now(all.find((each) => each.beside && each.key === curve.key))}</td>}
+                    {(["least", "most", "mean", "spread"] as const).map((each) => (
+                      <td key={each}>{found ? brief(found[each]) : ""}</td>
+                    ))}
+                    <td className="text">{curve.unit}</td>
+                  </tr>
+                );
+              })}
+            </tbody>
+          </table>
+        </div>
+      )}
+    </div>
+  );
 }

@@ -28,8 +28,10 @@ export interface Track {
   value: unknown;
   times: number[];
   numbers: Map<string, number[]>;
-  /** Values received since the map last took them for trails. */
+  /** The newest values, and some of the older ones. */
   fresh: unknown[];
+  /** Number of all values received. */
+  count: number;
   /** Whether older values are left out. */
   thinned: boolean;
   /** Why the newest sample could not be read; empty: it could. */
@@ -51,6 +53,8 @@ export interface Page {
   announced: string;
   /** The duration shown by plots [s]; 0: the whole run. */
   span: number;
+  /** The times that plots are zoomed to [s]. */
+  zoom: readonly [number, number] | undefined;
 }
 
 const TOKEN = "rtgen.token";
@@ -84,6 +88,7 @@ const unavailable: Page = {
   notice: "",
   announced: "",
   span: 0,
+  zoom: undefined,
 };
 
 /** The id of the first channel; each run assigns new ones. */
@@ -204,7 +209,11 @@ export class Store {
   }
 
   span(seconds: number): void {
-    this.change({ span: seconds });
+    this.change({ span: seconds, zoom: undefined });
+  }
+
+  zoom(times: readonly [number, number] | undefined): void {
+    this.change({ zoom: times });
   }
 
   notify(notice: string): void {
@@ -247,13 +256,14 @@ export class Store {
         // A server with another version has another page.
         if (event.value.version !== VERSION && this.server) location.reload();
         this.server = event.value.server;
-        this.page = { ...unavailable, link: "live", full: event.value.full, span: this.page.span };
+        this.page = { ...unavailable, link: "live", full: event.value.full, span: this.page.span, zoom: this.page.zoom };
         break;
       case "whole":
         this.types.add(0, event.value.types);
         this.tracks.clear();
         this.traffic = new Traffic();
         if (event.value.time.past || this.page.system?.time.past || begun(event.value) !== begun(this.page.system)) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map(), flows: new Map() };
+        if (event.value.edits.file !== this.page.system?.edits.file) this.page = { ...this.page, zoom: undefined };
         this.page = { ...this.page, system: event.value, notice: "" };
         if (this.wanted !== undefined) {
           const now = this.wanted;
@@ -387,7 +397,7 @@ export class Store {
     if (!channel) return;
     let track = this.tracks.get(id);
     if (!track || time < (track.times.at(-1) ?? 0)) {
-      track = { value: undefined, times: [], numbers: new Map(), fresh: [], thinned: false, refused: "" };
+      track = { value: undefined, times: [], numbers: new Map(), fresh: [], count: 0, thinned: false, refused: "" };
       this.tracks.set(id, track);
     }
     try {
@@ -400,12 +410,13 @@ export class Store {
     track.refused = "";
     if (isFull(track.fresh)) thin(track.fresh);
     track.fresh.push(track.value);
+    track.count += 1;
     if (isFull(track.times)) {
       track.thinned = true;
       for (const row of [track.times, ...track.numbers.values()]) thin(row);
     }
     const before = track.times.push(time) - 1;
-    const found = new Map(leaves(track.value).filter((leaf): leaf is [string, number] => typeof leaf[1] === "number"));
+    const found = new Map(leaves(track.value).flatMap(([path, leaf]): [string, number][] => (typeof leaf === "number" || typeof leaf === "boolean" ? [[path, Number(leaf)]] : [])));
     for (const name of found.keys())
       if (!track.numbers.has(name)) track.numbers.set(name, Array<number>(before).fill(NaN));
     for (const [name, row] of track.numbers) row.push(found.get(name) ?? NaN);

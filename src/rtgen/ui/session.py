@@ -244,7 +244,8 @@ class Session:
         self.keeps = kept
         if not kept or self.beside is self._recorded:
             self.beside = None
-        self._to_all(ui.Event.of_whole(self.whole()))
+        for page in self._pages:
+            self.look(page, -1.0 if page.past is None else page.past)
 
     def _watch(self) -> None:
         system = self.system

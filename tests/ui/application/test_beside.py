@@ -155,3 +155,16 @@ def test_a_page_that_is_loaded_again_has_the_timeline() -> None:
     notices = [e.reported for e in events if e.discriminator is EventKind.EVENT_NOTICE]
     assert [each.text for each in notices] == ["something"]
     bench.close()
+
+
+def test_pages_keep_their_samples_when_a_run_is_kept() -> None:
+    bench = Bench()
+    page = bench.page()
+    found = dict(channels(whole(page.events())))
+    channel = found["Odometry0.OdometryPosition"]
+    page.done("channels", [channel.id])
+    page.done("step", 1.0)
+    page.done("kept", True)
+    assert whole(page.seen).keeps
+    assert samples(page.seen, channel.id)
+    bench.close()

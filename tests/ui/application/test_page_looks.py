@@ -19,7 +19,7 @@ BUS = str(ROOT / "specs/canopen/fourx.xml")
 BOARD = str(ROOT / "specs/tecs/rh3_board.xml")
 VIEWS = {
     (RH3, "Odometry0"): (
-        *("Values", "Connections", "Map", "Drive", "Configuration", "Timeline"),
+        *("Values", "Plots", "Map", "Drive", "Configuration", "Timeline"),
     ),
     (BUS, "RefHardFourX0"): ("Buses",),
     (BOARD, "MotorBoardMarshaller0"): ("Services", "Boards"),
@@ -82,14 +82,15 @@ def test_views_can_be_read_and_reached(
             assert flaws(page) == [], (tab, width, colours)
 
 
-INKS = """plot => {
+INKS = """region => {
+    const plot = region.querySelector(".plot");
     const pen = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
     const colour = text => {
         pen.fillStyle = text;
         pen.fillRect(0, 0, 1, 1);
         return [...pen.getImageData(0, 0, 1, 1).data].slice(0, 3);
     };
-    const picture = plot.querySelector("canvas");
+    const picture = plot?.querySelector("canvas");
     if (!picture) return [];
     const { width, height } = picture;
     const copy = new OffscreenCanvas(width, height).getContext("2d");
@@ -103,8 +104,8 @@ INKS = """plot => {
         return count;
     };
     const text = colour(getComputedStyle(plot).color);
-    const marks = [...plot.querySelectorAll(".u-marker")];
-    return [text, ...marks.map(each => colour(getComputedStyle(each).borderTopColor))]
+    const marks = [...region.querySelectorAll(".swatch")];
+    return [text, ...marks.map(each => colour(getComputedStyle(each).backgroundColor))]
         .map(ink => [ink, drawn(ink)]);
 }"""
 """The colours of the text and of each swatch of a plot, with their pixels in its picture."""
@@ -125,12 +126,11 @@ def test_swatches_and_curves_have_the_same_colours(
     page.get_by_role("combobox", name="Component").select_option("Odometry0")
     page.get_by_role("tab", name="Values").click()
     pose = page.get_by_role("region", name="Odometry0.OdometryPosition")
-    plot = pose.get_by_role("img", name="Values over time")
     for colours in ("light", "dark"):
         page.emulate_media(color_scheme=colours)
         paper = PAPER[colours]
-        until(page, lambda: min((n for _, n in plot.evaluate(INKS)), default=0) > 20)
-        _, *swatches = plot.evaluate(INKS)
+        until(page, lambda: min((n for _, n in pose.evaluate(INKS)), default=0) > 20)
+        _, *swatches = pose.evaluate(INKS)
         assert len(swatches) == 3
         assert all(contrast(ink, paper) > GRAPHICS for ink, _ in swatches)
 

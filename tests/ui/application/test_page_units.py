@@ -8,10 +8,6 @@ import pytest
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 
-LABELS = """plot =>
-    [...plot.querySelectorAll(".u-legend .u-label")].map(each => each.textContent)"""
-"""The labels of a plot's curves."""
-
 
 def test_each_number_has_the_unit_of_its_member(page: Any) -> None:
     page.get_by_role("combobox", name="Component").select_option("Navigation0")
@@ -20,26 +16,26 @@ def test_each_number_has_the_unit_of_its_member(page: Any) -> None:
     plots = path.get_by_role("img", name="Values over time")
     plots.last.locator(".uplot").wait_for()
     rows = {
-        row.split("\t")[0]: row.split("\t")[-1].strip()
-        for row in path.locator("tbody tr").all_inner_texts()
+        row.locator("th").inner_text(): row.locator("td").last.inner_text()
+        for row in path.locator(".curves tbody tr").all()
     }
-    assert rows["type"] == rows["coordinate"] == ""
-    assert (rows["x"], rows["theta"]) == ("m", "rad")
-    assert (rows["v"], rows["w"]) == ("m/s", "rad/s")
-    labels = [label for plot in plots.all() for label in plot.evaluate(LABELS)]
-    assert sorted(labels) == sorted(
-        [
-            *("type", "coordinate", "x [m]", "y [m]", "r [m]"),
-            *("theta [rad]", "v [m/s]", "w"),
-        ]
-    )
+    lengths = dict.fromkeys(("x", "y", "r"), "m")
+    others = {"theta": "rad", "v": "m/s", "w": "rad/s"}
+    assert rows == {"type": "", "coordinate": "", **lengths, **others}
 
 
-def test_curves_of_one_unit_have_it_at_their_axis(page: Any) -> None:
+def test_each_unit_has_an_axis(page: Any) -> None:
+    """There are two axes at most in a picture; curves of one unit share theirs."""
     page.get_by_role("combobox", name="Component").select_option("Odometry0")
     page.get_by_role("tab", name="Values").click()
-    angles = page.get_by_role("region", name="RefHardRh30.OutWheelAngle")
-    plot = angles.get_by_role("img", name="Values over time")
+    pose = page.get_by_role("region", name="Odometry0.OdometryPosition")
+    plot = pose.get_by_role("img", name="Values over time")
     plot.locator(".uplot").wait_for()
-    labels = plot.evaluate(LABELS)
-    assert labels == ["data[0]", "data[1]"]
+    assert plot.count() == 1
+    # Of the time, of metres on the left and of radians on the right.
+    assert plot.locator(".u-axis").count() == 3
+    angle = pose.get_by_role("row", name="heading").get_by_role("checkbox")
+    angle.uncheck()
+    plot.locator(".u-axis").nth(2).wait_for(state="detached")
+    angle.check()
+    plot.locator(".u-axis").nth(2).wait_for(state="attached")

@@ -1,0 +1,64 @@
+/** The samples of a component's ports, and of those that its InPorts are connected to. */
+
+import { useMemo } from "react";
+import { MemberPlot, portOf } from "./MemberPlot.tsx";
+import { usePlots } from "./members.ts";
+import { Span } from "./Plot.tsx";
+import type { Component, SystemState } from "./protocol/Ui.ts";
+import { leaves, store } from "./store.ts";
+
+export function Values({ system, component }: { system: SystemState; component: Component }) {
+  const plots = usePlots();
+  const shown = useMemo(() => {
+    const near = new Set(
+      system.connections
+        .filter((each) => each.target.instance === component.instance)
+        .map((each) => `${each.source.instance}.${each.source.port}`),
+    );
+    return system.channels.filter((each) => each.port.instance === component.instance || near.has(portOf(each)));
+  }, [system.connections, system.channels, component.instance]);
+  const unknown = component.ports.filter((each) => component.place && each.kind === "PORT_OUT" && each.type_number < 0);
+  if (!shown.length && !unknown.length) return <p>No port of this component has values.</p>;
+  const sections = shown.filter((each) => !each.beside).map((channel) => {
+    const name = portOf(channel);
+    const other = shown.find((each) => each.beside && portOf(each) === name);
+    const [track, beside] = [store.tracks.get(channel.id), other && store.tracks.get(other.id)];
+    const rows = track?.times.length ? track : beside;
+    const texts = new Map(leaves(beside?.value));
+    const others = leaves(rows?.value).filter(([path]) => !rows?.numbers.has(path) || /^tm\b/.test(path));
+    const id = `values ${name}`;
+    return (
+      <section key={channel.id} aria-label={name}>
+        <h2>{name}</h2>
+        {track?.refused && <p className="reason">The last sample could not be read: {track.refused}</p>}
+        {!rows?.times.length && !track?.refused && <p>No sample yet.</p>}
+        <MemberPlot id={id} label="Values over time" system={system} own={channel} added={plots.get(id) ?? []} />
+        {rows?.thinned && <p className="thinned">Of older samples some are left out of the plot.</p>}
+        {rows && rows.times.length > 0 && others.length > 0 && (
+          <table aria-label={`Texts of ${name}`}>
+            <tbody>
+              {others.map(([path, value]) => (
+                <tr key={path}>
+                  <th scope="row">{path}</th>
+                  <td className="text">{track?.times.length ? String(value) : ""}</td>
+                  {other && <td className="text">{texts.has(path) ? String(texts.get(path)) : ""}</td>}
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        )}
+      </section>
+    );
+  });
+  return (
+    <>
+      <Span />
+      {sections}
+      {unknown.map((each) => (
+        <p key={each.name}>
+          <bdi>{each.name}</bdi>: the project does not define <bdi>{each.type}</bdi>, so its samples cannot be read.
+        </p>
+      ))}
+    </>
+  );
+}
