@@ -10,6 +10,7 @@ from itertools import count
 import can
 import pytest
 from free_ports import free_port
+from patience import PATIENCE
 from stations import Recorder
 
 from rtgen.runtime import RealClock
@@ -21,6 +22,7 @@ from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import Frame
 
 SECOND = 1_000_000_000
+WAIT = 20.0
 NUMBERS = count()
 
 
@@ -60,7 +62,7 @@ def test_frames_go_both_ways(channel: str, peer: can.BusABC) -> None:
         Frame(0x80, remote=True),
     ]
     link.send(sent, station)
-    got = [peer.recv(5) for _ in sent]
+    got = [peer.recv(WAIT) for _ in sent]
     for frame, one in zip(sent, got, strict=True):
         assert one is not None
         assert one.arbitration_id == frame.can_id
@@ -126,7 +128,7 @@ def test_stations_of_a_process_hear_each_other_once(
     link.attach(a)
     link.attach(b)
     link.send([Frame(8)], a)
-    assert [m.arbitration_id for m in (peer.recv(5), peer.recv(5)) if m] == [8, 9]
+    assert [m.arbitration_id for m in (peer.recv(WAIT), peer.recv(WAIT)) if m] == [8, 9]
     assert (a.ids, b.ids) == ([9], [8])
     assert peer.recv(0.02) is None
     assert (a.ids, b.ids) == ([9], [8])
@@ -168,7 +170,7 @@ def test_timers(channel: str, peer: can.BusABC) -> None:
     producer.period = 5_000_000
     producer.deadline = link.now()
     link.attach(producer)
-    assert all(peer.recv(5) for _ in range(5))
+    assert all(peer.recv(WAIT) for _ in range(5))
     with link.lock:
         producer.period = 0
         producer.deadline = None
@@ -178,7 +180,7 @@ def test_timers(channel: str, peer: can.BusABC) -> None:
     other.period = 5_000_000
     other.deadline = link.now()
     link.attach(other)
-    until(link, lambda: len(other.polls) == 6)
+    until(link, lambda: len(other.polls) >= 6)
     link.detach(other)
     assert len(producer.polls) == polls
     assert producer.polls == sorted(producer.polls)
@@ -245,7 +247,7 @@ def test_a_station_may_leave_when_it_is_called_or_with_the_lock_held(
     link.attach(station)
     peer.send(message(1))
     assert isinstance(link, RealLink)
-    link._threads[0].join(5)
+    link._threads[0].join(PATIENCE)
     assert not link._threads[0].is_alive()
     again = opened(channel)
     again.attach(station)
@@ -262,7 +264,7 @@ def test_what_was_sent_goes_before_the_link_closes(
     link.attach(station)
     link.send((Frame(n) for n in range(500)), station)
     link.detach(station)
-    got = [peer.recv(1) for _ in range(500)]
+    got = [peer.recv(WAIT) for _ in range(500)]
     assert [m.arbitration_id for m in got if m is not None] == list(range(500))
 
 
@@ -273,7 +275,7 @@ def test_who_sends_too_much_loses_frames(
     assert isinstance(link, RealLink)
     go_on = threading.Event()
     assert link._bus is not None
-    monkeypatch.setattr(link._bus, "send", lambda frame: go_on.wait(20))
+    monkeypatch.setattr(link._bus, "send", lambda frame: go_on.wait(PATIENCE))
     station = Recorder()
     link.attach(station)
     link.send([Frame(1)] * 5000, station)
@@ -299,7 +301,7 @@ def test_a_bus_that_fails_is_opened_again(
     until(link, lambda: station.changes == [False, True])
     assert link.lost == 1
     link.send([Frame(2)], station)
-    got = peer.recv(5)
+    got = peer.recv(WAIT)
     assert got is not None
     assert got.arbitration_id == 2
     link.detach(station)

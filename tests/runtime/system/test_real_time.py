@@ -7,6 +7,7 @@ import time
 from collections.abc import Callable, Iterator
 
 import pytest
+from patience import PATIENCE
 from runtime_samples import MS, SECOND, Actor, activated, drained, joined, long
 
 from rtgen.runtime import (
@@ -25,9 +26,6 @@ from rtgen.runtime import (
 )
 from rtgen.runtime.system.real_time import next_instant
 
-WAIT = 10.0
-"""Time-out of a test that hangs [s]."""
-
 FULL = "dataport.buffer.write.full_policy"
 EMPTY = "dataport.buffer.read.empty_policy"
 LENGTH = "dataport.buffer.length"
@@ -41,7 +39,7 @@ def system() -> Iterator[System]:
 
 
 def run_until(system: System, condition: Callable[[], bool]) -> None:
-    limit = system.time + int(WAIT * SECOND)
+    limit = system.time + int(PATIENCE * SECOND)
     assert system.run(limit, lambda _: condition())
 
 
@@ -58,7 +56,7 @@ class Thread(threading.Thread):
         self.result = self._function()
 
     def outcome(self) -> object:
-        self.join(WAIT)
+        self.join(PATIENCE)
         return self.result
 
 
@@ -96,7 +94,7 @@ def test_nothing_ticks_before_the_first_run(system: System) -> None:
     activated(system, Actor("a", ticked.set))
     assert not ticked.is_set()
     assert not system.run(until_ns=0)
-    assert ticked.wait(WAIT)
+    assert ticked.wait(PATIENCE)
 
 
 def test_time_counts_from_the_first_run_and_now_is_utc(system: System) -> None:
@@ -172,7 +170,7 @@ def test_a_context_stops_and_starts_and_may_stop_itself(system: System) -> None:
 
     activated(system, Actor("a", stop))
     system.run(until_ns=0)
-    assert stopped.wait(WAIT)
+    assert stopped.wait(PATIENCE)
     assert system.statistics("a").ticks == 1
     system.context("a").start()
     run_until(system, lambda: system.statistics("a").ticks == 2)

@@ -127,6 +127,7 @@ def test_a_reply_that_takes_too_long(join: Join) -> None:
     served(other)
     with pytest.raises(ReplyTimeoutError):
         until(partial(_until_served, client, 0.3))
+    until(lambda: held.held)
     # A late reply has no effect, and does not disturb the next call.
     for reply in held.held:
         reply(b"late")
