@@ -27,6 +27,7 @@ from pathlib import Path
 import environments
 import interpreters
 import pytest
+from patience import PATIENCE
 
 DISTRIBUTIONS = ("jazzy", "kilted")
 """Jazzy has Fast DDS 2, Kilted Fast DDS 3."""
@@ -119,7 +120,7 @@ class Installation:
     ) -> str:
         """Return the output of a Python script whose input is `text`.
 
-        Raises CalledProcessError.
+        Raises CalledProcessError, TimeoutExpired.
         """
         return subprocess.run(
             [self.python, str(script), *arguments],
@@ -128,6 +129,7 @@ class Installation:
             stdout=subprocess.PIPE,
             text=True,
             check=True,
+            timeout=PATIENCE,
         ).stdout
 
 

@@ -135,6 +135,8 @@ class Peer:
     def call(self, name: str, type_: str, request: Any, seconds: float) -> None:
         """Call a service; the event has the response, or null without one."""
         client = self.client(name, type_)
+        # A server that does not know the client yet may lose its response.
+        client.wait_for_service(seconds)
         future = client.call_async(filled(class_of(type_).Request(), request))
         done = threading.Event()
         future.add_done_callback(lambda _: done.set())

@@ -483,6 +483,10 @@ def test_nodes(lab: Lab) -> None:
 
 @pytest.mark.parametrize("lab", [*EVERY, *TOPICS_ALONE], indirect=True, ids=str)
 def test_lines_of_logs_are_kept_for_late_nodes(lab: Lab) -> None:
+    """For ten seconds."""
+    listening(lab)
+    lab.do("log", "it is late")
+    lab.told("log")
     lab.peer.do("subscribe", "/rosout", "rcl_interfaces/msg/Log", 100, "rosout")
     line = until(
         lambda: next(
@@ -490,7 +494,7 @@ def test_lines_of_logs_are_kept_for_late_nodes(lab: Lab) -> None:
                 event[2]
                 for event in lab.peer.events
                 if event[:2] == ["message", "rosout"]
-                and event[2]["msg"] == "the counter counts"
+                and event[2]["msg"] == "it is late"
             ),
             None,
         )

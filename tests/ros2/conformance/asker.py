@@ -74,6 +74,11 @@ class Asker(AskerBase):
         """Return the value."""
         return [value]
 
+    def do_log(self, text: str) -> Any:
+        """Write a line of the log."""
+        self.logger.warning(text)
+        return [text]
+
     def do_call(self, values: dict[str, Any]) -> Any:
         """Call the service; return the members of the response."""
         request = BasicTypes_Request(**values)

@@ -69,8 +69,3 @@ class Counter(CounterBase):
         """The servants exist from the start."""
         self.basics.set_servant(Repeating(Goals(self)))
         return RTC_OK
-
-    def on_activated(self, ec_id: int) -> ReturnCode_t:
-        """Say so."""
-        self.logger.warning("the counter counts")
-        return RTC_OK
