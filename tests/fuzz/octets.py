@@ -85,10 +85,10 @@ def explore(encoding: Encoding, chance: Random, changes: int) -> Iterator[str]:
     """
     octets = encoding.least
     for _ in range(changes):
-        changed = _changed(chance, octets, encoding.little_endian)
-        outcome = _tried(encoding, changed)
+        altered = changed(chance, octets, encoding.little_endian)
+        outcome = _tried(encoding, altered)
         if outcome.endswith("value"):
-            octets = changed
+            octets = altered
         yield outcome
 
 
@@ -110,7 +110,7 @@ def _tried(encoding: Encoding, data: bytes) -> str:
     return f"{encoding.name} value"
 
 
-def _changed(chance: Random, octets: bytes, little_endian: bool) -> bytes:
+def changed(chance: Random, octets: bytes, little_endian: bool) -> bytes:
     """Return changed octets: a count with octets for its elements, a number, or a few anywhere."""
     data = bytearray(octets)
     place = chance.randrange(len(data) + 1)

@@ -10,7 +10,7 @@ from typing import Any
 import emitted
 import pytest
 
-from rtgen.runtime.marshalling.compiler import compiled
+from rtgen.runtime.marshalling.compiler import compiled_in_python
 from rtgen.runtime.marshalling.layouts.formats import CLASSIC, Format
 from rtgen.runtime.marshalling.source.text import entered
 
@@ -35,7 +35,7 @@ def text_of(package: Any, format_: Format) -> Iterator[str]:
         descriptor = getattr(package, name)._descriptor_
         descriptor.codecs.clear()
         for kind in KINDS[form]:
-            file = compiled(kind, descriptor, format_).__code__.co_filename
+            file = compiled_in_python(kind, descriptor, format_).__code__.co_filename
             yield f"# {format_} {kind} of {descriptor.name}\n"
             yield "".join(linecache.getlines(file)) + "\n"
 
@@ -54,7 +54,8 @@ def test_the_text_of_a_type_that_is_compiled_again_is_kept_once(package: Any) ->
     files = set()
     for _ in range(3):
         descriptor.codecs.clear()
-        files.add(compiled("from_cdr", descriptor, CLASSIC).__code__.co_filename)
+        function = compiled_in_python("from_cdr", descriptor, CLASSIC)
+        files.add(function.__code__.co_filename)
     assert len(files) == 1
 
 

@@ -6,18 +6,18 @@ import pytest
 from refrobots import iis, rtc
 from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.marshalling.compiler import CLASSIC, compiled
+from rtgen.runtime.marshalling.compiler import compiled_in_python
 from rtgen.runtime.marshalling.source import repeated
 
 
 @pytest.fixture
 def decode():
     """Return a decoder of TimedPose2D without readers."""
-    kept = iis.TimedPose2D._descriptor_.codecs.pop(("from_cdr", CLASSIC), None)
-    function = compiled("from_cdr", iis.TimedPose2D._descriptor_)
-    yield function
-    if kept is not None:
-        iis.TimedPose2D._descriptor_.codecs["from_cdr", CLASSIC] = kept
+    descriptor = iis.TimedPose2D._descriptor_
+    kept = dict(descriptor.codecs)
+    descriptor.codecs.clear()
+    yield compiled_in_python("from_cdr", descriptor)
+    descriptor.codecs.update(kept)
 
 
 def pose(ids: int, errors: int, start: int = 0) -> iis.TimedPose2D:

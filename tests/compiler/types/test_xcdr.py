@@ -5,6 +5,7 @@ from __future__ import annotations
 import hashlib
 import random
 import struct
+from inspect import unwrap
 from pathlib import Path
 from typing import Any
 
@@ -616,5 +617,5 @@ def test_all_readers_of_a_type_agree(x: Any, version: int) -> None:
             evolved = compiled("from_evolved", descriptor, Format(version))
             assert evolved(type_, octets, little) == value
             assert fault_in_body(descriptor, octets, Format(version), little) is None
-        function = getattr(type_, f"from_xcdr{version}").__func__
+        function = unwrap(getattr(type_, f"from_xcdr{version}").__func__)
         assert function.__code__.co_filename.startswith(f"<XCDR{version} from_cdr")

@@ -53,7 +53,7 @@ def _door(name: str, _folder: Path) -> Door:
             return head
         grown = encoding.least
         for _ in range(chance.randrange(12)):
-            grown = octets._changed(chance, grown, encoding.little_endian)
+            grown = octets.changed(chance, grown, encoding.little_endian)
         return head + grown
 
     return Door(enter, make)

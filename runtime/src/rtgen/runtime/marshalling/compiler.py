@@ -1,5 +1,6 @@
 """Compiles the codecs of a type from its descriptor at first use.
 
+A type that `rtgen-speed` covers has codecs in C, if that is installed (`tables`).
 The source text of each function is entered in `linecache`, so that debuggers and tracebacks show
 it. Compiled functions are cached in the descriptor.
 """
@@ -7,6 +8,7 @@ it. Compiled functions are cached in the descriptor.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from threading import RLock
 from typing import Any
 
@@ -17,6 +19,7 @@ from rtgen.runtime.marshalling.layouts.trees import can_evolve, unsupported
 from rtgen.runtime.marshalling.source.functions import FUNCTIONS
 from rtgen.runtime.marshalling.source.references import References
 from rtgen.runtime.marshalling.source.text import entered
+from rtgen.runtime.marshalling.tables import codec
 
 _LOCK = RLock()
 
@@ -24,12 +27,26 @@ _LOCK = RLock()
 def compiled(
     kind: str, descriptor: Any, format_: Format = CLASSIC
 ) -> Callable[..., Any]:
-    """Return the compiled function of a kind (a key of `FUNCTIONS`) for a type in a format.
+    """Return the codec of a kind (a key of `FUNCTIONS`) for a type in a format.
 
     For a type that XCDR cannot represent, it is a function that raises CdrError. Raises
     UnsupportedError for one that CDR cannot represent.
     """
     key = (kind, format_)
+    if key not in descriptor.codecs:
+        in_python = partial(compiled_in_python, kind, descriptor, format_)
+        with _LOCK:
+            chosen = codec(kind, descriptor, format_, in_python)
+            descriptor.codecs[key] = in_python() if chosen is None else chosen
+    function: Callable[..., Any] = descriptor.codecs[key]
+    return function
+
+
+def compiled_in_python(
+    kind: str, descriptor: Any, format_: Format = CLASSIC
+) -> Callable[..., Any]:
+    """Return the function in Python, whose callees are functions in Python, too."""
+    key = ((compiled_in_python, kind), format_)
     if key not in descriptor.codecs:
         with _LOCK:
             try:
@@ -59,7 +76,7 @@ def decoded_again(
         message = f"octets are needed, not {type(data).__name__}"
         raise CdrError(name, message) from failure
     if _evolves(descriptor, format_):
-        decode = compiled("from_evolved", descriptor, format_)
+        decode = compiled_in_python("from_evolved", descriptor, format_)
         try:
             return decode(type_, octets, little_endian)
         except FAILURES as again:
@@ -104,7 +121,8 @@ def _compile(kind: str, descriptor: Any, format_: Format) -> None:
     waiting = [(kind, descriptor)]
     while waiting:
         kind, described = waiting.pop()
-        if (kind, id(described)) in functions or (kind, format_) in described.codecs:
+        key = ((compiled_in_python, kind), format_)
+        if (kind, id(described)) in functions or key in described.codecs:
             continue
         function, references = _function(kind, described, format_)
         functions[kind, id(described)] = described, function
@@ -112,10 +130,10 @@ def _compile(kind: str, descriptor: Any, format_: Format) -> None:
             calls.append((function.__globals__, name, needed, of))
             waiting.append((needed, of))
     for namespace, name, needed, of in calls:
-        codec = of.codecs.get((needed, format_))
-        namespace[name] = functions[needed, id(of)][1] if codec is None else codec
+        function = of.codecs.get(((compiled_in_python, needed), format_))
+        namespace[name] = functions[needed, id(of)][1] if function is None else function
     for (kind, _), (described, function) in functions.items():
-        described.codecs.setdefault((kind, format_), function)
+        described.codecs.setdefault(((compiled_in_python, kind), format_), function)
 
 
 def _function(

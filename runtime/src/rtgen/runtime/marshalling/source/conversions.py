@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable
 from typing import Any
 
+from rtgen.runtime.marshalling.descriptors import EnumDescriptor
 from rtgen.runtime.marshalling.layouts.nodes import (
     Atom,
     Form,
@@ -52,10 +53,7 @@ class Conversions:
 
     def _members(self, atom: Atom) -> str:
         """Return the table of an enum's members by number, which rejects other numbers."""
-        table = atom.type.codecs.get("members")
-        if table is None:
-            members = (atom.type.class_(number) for _, number in atom.type.members)
-            table = atom.type.codecs["members"] = {m.value: m for m in members}
+        table = enumerators(atom.type)
         return self._namespace.bind(f"{atom.type.class_.__name__}_members", table)
 
     def packed(self, atom: Atom, value: str) -> str:
@@ -151,6 +149,15 @@ class Conversions:
         # Same as `text_value`, inlined because of the cost of calls; that is called to raise.
         refused = f"{self._name(text_value)}({raw} + bytes([{last}]))"
         return f"{raw}.decode() if not {last} and 0 not in {raw} else {refused}"
+
+
+def enumerators(descriptor: EnumDescriptor) -> dict[int, Any]:
+    """Return the members of an enum by number."""
+    table: dict[int, Any] | None = descriptor.codecs.get("members")
+    if table is None:
+        members = (descriptor.class_(number) for _, number in descriptor.members)
+        table = descriptor.codecs["members"] = {m.value: m for m in members}
+    return table
 
 
 def each(convert: Callable[[Atom, str], str], atom: Atom, items: str) -> str | None:

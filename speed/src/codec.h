@@ -1,0 +1,130 @@
+/* What the parts of rtgen-speed share: nodes of a type's table, and the calls on them.
+ *
+ * A function that fails returns -1 or NULL, with or without an exception: the codec then leaves the
+ * value or the octets to the Python function, which raises the error or takes what is rare.
+ */
+#ifndef RTGEN_SPEED_CODEC_H
+#define RTGEN_SPEED_CODEC_H
+
+#define PY_SSIZE_T_CLEAN
+#include <Python.h>
+#include <stdint.h>
+#include <string.h>
+
+#define MAX_DEPTH 100
+/* Deeper values are left to Python, whose recursion limit holds. */
+
+enum Kind {
+    INT8, UINT8, INT16, UINT16, INT32, UINT32, INT64, UINT64, FLOAT32, FLOAT64,
+    BOOLEAN, CHARACTER, WIDE_CHARACTER, UNIT, ENUMERATOR, FLAGS, HOOK,
+    NUMBERS, TEXT, WORDS, REPEAT, MAP, STRUCT, UNION, DELIMITED, OPTIONAL, LIST, PARAMETER, ANY,
+    KINDS
+};
+
+enum Text { OCTETS, CHARACTERS, STRING, WIDE_STRING, UNITS };
+
+enum Form { AS_LIST, AS_ARRAY, AS_MAKER };
+
+typedef struct Node Node;
+
+typedef struct {
+    PyObject *name;       /* the attribute */
+    Py_ssize_t offset;    /* of the slot in a plain class */
+    const Node *node;
+    uint32_t id, header;  /* of a member in a list */
+    unsigned char optional, key, must_understand;
+} Member;
+
+typedef struct {
+    int64_t number;
+    const Node *node;
+} Label;
+
+struct Node {
+    unsigned char kind;
+    unsigned char form;     /* enum Form or Text; kind of the integer of an enumerator or flags */
+    unsigned char align;
+    unsigned char shared;   /* values cannot change: copies share them */
+    unsigned char plain;    /* `type` is a class whose slots are read, and filled without a call */
+    unsigned char unset;    /* None may stand for the value when it is copied */
+    char code;              /* of buffers with the numbers */
+    unsigned char version;  /* of XCDR, of a list */
+    Py_ssize_t size;        /* octets of an atom */
+    Py_ssize_t bound;       /* most items or octets, or -1 */
+    Py_ssize_t length;      /* items of an array, or -1 */
+    Py_ssize_t minimum;     /* least octets of an item; of numbers the most that are a list */
+    const Node *child, *key;
+    uint32_t id;
+    unsigned char must_understand;
+    Py_ssize_t count;
+    Member *members;
+    Label *labels;
+    const Node *otherwise;
+    Py_ssize_t dimensions;
+    Py_ssize_t *lengths;
+    PyObject *type, *first, *second;
+};
+
+typedef struct {
+    PyObject_HEAD
+    Py_ssize_t count;
+    Node *nodes;
+} Table;
+
+enum Mode { ENCODE, DECODE, DECODE_PREFIX, READ, COPY };
+
+typedef struct {
+    PyObject_HEAD
+    vectorcallfunc call;
+    Table *table;
+    const Node *root;
+    enum Mode mode;
+    int identifier;         /* of the payload's representation in big-endian order, or -1 */
+    int again;              /* a decoder's `cls` is its first argument */
+    PyObject *make;         /* returns the Python function */
+    PyObject *function;     /* that function, or NULL */
+    PyObject *name;
+} Codec;
+
+typedef struct {
+    char *at;               /* the octets so far, in `few` or in `octets` */
+    Py_ssize_t position, capacity;
+    Py_ssize_t base;        /* alignment counts from here */
+    int swap, little, depth;
+    PyObject *octets;
+    char few[2048];
+} Writer;
+
+typedef struct {
+    const unsigned char *data;
+    Py_ssize_t position, end, base;
+    int swap, little, depth;
+} Reader;
+
+extern PyTypeObject Table_Type, Codec_Type;
+extern PyObject *numeric_array; /* rtgen's array class, set by the runtime */
+
+int put(Writer *, const Node *, PyObject *);
+PyObject *take(Reader *, const Node *);
+PyObject *copy(const Node *, PyObject *, int depth);
+int union_number(PyObject *discriminator, int64_t *number);
+const Node *branch_of(const Node *, int64_t number);
+PyObject *instance(const Node *, PyObject **values);
+
+#if defined(_MSC_VER)
+#define ALWAYS static __forceinline
+#else
+#define ALWAYS static inline __attribute__((always_inline))
+#endif
+
+ALWAYS uint16_t swap16(uint16_t n) { return (uint16_t)(n << 8 | n >> 8); }
+ALWAYS uint32_t swap32(uint32_t n) {
+    return (uint32_t)swap16((uint16_t)n) << 16 | swap16((uint16_t)(n >> 16));
+}
+ALWAYS uint64_t swap64(uint64_t n) {
+    return (uint64_t)swap32((uint32_t)n) << 32 | swap32((uint32_t)(n >> 32));
+}
+
+void swap_all(char *at, Py_ssize_t count, Py_ssize_t size);
+
+#endif

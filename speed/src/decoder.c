@@ -1,0 +1,520 @@
+/* Reads values from octets, as `rtgen.runtime.marshalling.source.decoder` does.
+ *
+ * Each read is preceded by a comparison with the octets that are left.
+ */
+#include "codec.h"
+
+#define EMPTY_ELEMENTS 65536
+#define MEMBER_ID 0x0FFFFFFFu
+#define LONG_IMPLEMENTATION 0x80000000u
+#define LONG_MUST_UNDERSTAND 0x40000000u
+
+/* Skips padding; fails unless that many octets follow. */
+ALWAYS int begin(Reader *r, Py_ssize_t align, Py_ssize_t size) {
+    r->position += (r->base - r->position) & (align - 1);
+    return size <= r->end - r->position ? 0 : -1;
+}
+
+ALWAYS uint16_t load16(const unsigned char *at, int swap) {
+    uint16_t n;
+    memcpy(&n, at, 2);
+    return swap ? swap16(n) : n;
+}
+
+ALWAYS uint32_t load32(const unsigned char *at, int swap) {
+    uint32_t n;
+    memcpy(&n, at, 4);
+    return swap ? swap32(n) : n;
+}
+
+ALWAYS uint64_t load64(const unsigned char *at, int swap) {
+    uint64_t n;
+    memcpy(&n, at, 8);
+    return swap ? swap64(n) : n;
+}
+
+ALWAYS int take_count(Reader *r, Py_ssize_t *count) {
+    if (begin(r, 4, 4)) return -1;
+    uint32_t n = load32(r->data + r->position, r->swap);
+    r->position += 4;
+    *count = (Py_ssize_t)n;
+    return *count >= 0 ? 0 : -1;
+}
+
+ALWAYS PyObject *load(int kind, const unsigned char *at, int swap) {
+    switch (kind) {
+    case INT8: return PyLong_FromLong((int8_t)*at);
+    case UINT8: return PyLong_FromLong(*at);
+    case INT16: return PyLong_FromLong((int16_t)load16(at, swap));
+    case UINT16: return PyLong_FromLong(load16(at, swap));
+    case INT32: return PyLong_FromLong((int32_t)load32(at, swap));
+    case UINT32: return PyLong_FromUnsignedLong(load32(at, swap));
+    case INT64: return PyLong_FromLongLong((int64_t)load64(at, swap));
+    case UINT64: return PyLong_FromUnsignedLongLong(load64(at, swap));
+    case FLOAT32: {
+        double number = PyFloat_Unpack4((const char *)at, swap ? !PY_LITTLE_ENDIAN : PY_LITTLE_ENDIAN);
+        return number == -1.0 && PyErr_Occurred() ? NULL : PyFloat_FromDouble(number);
+    }
+    default: {
+        uint64_t bits = load64(at, swap);
+        double number;
+        memcpy(&number, &bits, 8);
+        return PyFloat_FromDouble(number);
+    }
+    }
+}
+
+static PyObject *load_number(int kind, const unsigned char *at, int swap) {
+    return load(kind, at, swap);
+}
+
+static PyObject *load_keyed(const Node *node, const unsigned char *at, int swap) {
+    PyObject *number = load_number(node->form, at, swap);
+    if (number == NULL) return NULL;
+    PyObject *found = NULL;
+    if (node->kind == FLAGS && node->bound < 64) {
+        unsigned long long bits = PyLong_AsUnsignedLongLong(number);
+        if (bits >> node->bound) goto done;
+    }
+    found = Py_XNewRef(PyDict_GetItemWithError(node->first, number));
+    if (found == NULL && node->kind == FLAGS && !PyErr_Occurred()) found = PyObject_CallOneArg(node->type, number);
+done:
+    Py_DECREF(number);
+    return found;
+}
+
+static PyObject *load_hooked(const Node *node, const unsigned char *at, int little) {
+    PyObject *octets = PyBytes_FromStringAndSize((const char *)at, node->size);
+    if (octets == NULL) return NULL;
+    PyObject *value = PyObject_CallFunctionObjArgs(node->second, octets, little ? Py_True : Py_False, NULL);
+    Py_DECREF(octets);
+    return value;
+}
+
+static PyObject *load_atom(Reader *r, const Node *node, const unsigned char *at) {
+    switch (node->kind) {
+    case BOOLEAN: return *at > 1 ? NULL : Py_NewRef(*at ? Py_True : Py_False);
+    case CHARACTER: return PyUnicode_FromOrdinal(*at);
+    case WIDE_CHARACTER:
+    case UNIT: {
+        if (node->kind == WIDE_CHARACTER && at[0] != 2) return NULL;
+        int unit = node->kind == UNIT ? load16(at, r->swap) : at[1] << 8 | at[2];
+        return unit >= 0xD800 && unit < 0xE000 ? NULL : PyUnicode_FromOrdinal(unit);
+    }
+    case ENUMERATOR:
+    case FLAGS: return load_keyed(node, at, r->swap);
+    case HOOK: return load_hooked(node, at, r->little);
+    default: return load_number(node->kind, at, r->swap);
+    }
+}
+
+static PyObject *take_atom(Reader *r, const Node *node) {
+    if (begin(r, node->align, node->size)) return NULL;
+    const unsigned char *at = r->data + r->position;
+    r->position += node->size;
+    return load_atom(r, node, at);
+}
+
+#define LOAD_ALL(kind, size) \
+    for (Py_ssize_t i = 0; i < count; i++, at += size) { \
+        PyObject *item = load(kind, at, swap); \
+        if (item == NULL) return -1; \
+        PyList_SET_ITEM(list, i, item); \
+    } \
+    return 0
+
+static int load_numbers(int kind, PyObject *list, Py_ssize_t count, const unsigned char *at, int swap) {
+    switch (kind) {
+    case INT8: LOAD_ALL(INT8, 1);
+    case UINT8: LOAD_ALL(UINT8, 1);
+    case INT16: LOAD_ALL(INT16, 2);
+    case UINT16: LOAD_ALL(UINT16, 2);
+    case INT32: LOAD_ALL(INT32, 4);
+    case UINT32: LOAD_ALL(UINT32, 4);
+    case INT64: LOAD_ALL(INT64, 8);
+    case UINT64: LOAD_ALL(UINT64, 8);
+    case FLOAT32: LOAD_ALL(FLOAT32, 4);
+    default: LOAD_ALL(FLOAT64, 8);
+    }
+}
+
+/* A list of atoms whose octets follow. */
+static PyObject *take_items(Reader *r, const Node *atom, Py_ssize_t count) {
+    if (count && (count > (r->end - r->position) / atom->size || begin(r, atom->align, count * atom->size))) return NULL;
+    PyObject *list = PyList_New(count);
+    if (list == NULL) return NULL;
+    const unsigned char *at = r->data + r->position;
+    r->position += count * atom->size;
+    if (atom->kind <= FLOAT64) {
+        if (load_numbers(atom->kind, list, count, at, r->swap)) Py_CLEAR(list);
+        return list;
+    }
+    for (Py_ssize_t i = 0; i < count; i++, at += atom->size) {
+        PyObject *item = load_atom(r, atom, at);
+        if (item == NULL) {
+            Py_DECREF(list);
+            return NULL;
+        }
+        PyList_SET_ITEM(list, i, item);
+    }
+    return list;
+}
+
+static PyObject *take_rows(Reader *r, const Node *node, Py_ssize_t depth) {
+    if (depth + 1 == node->dimensions) return take_items(r, node->child, node->lengths[depth]);
+    PyObject *list = PyList_New(0);
+    for (Py_ssize_t i = 0; list != NULL && i < node->lengths[depth]; i++) {
+        PyObject *row = take_rows(r, node, depth + 1);
+        if (row == NULL || PyList_Append(list, row)) Py_CLEAR(list);
+        Py_XDECREF(row);
+    }
+    return list;
+}
+
+/* Numbers as an array of rtgen: by its constructor, in a copy of the octets. */
+static PyObject *array_of(const Node *node, const unsigned char *at, Py_ssize_t size, int swap) {
+    PyObject *code = PyUnicode_FromOrdinal(node->code);
+    PyObject *octets = size ? PyBytes_FromStringAndSize((const char *)at, size) : NULL;
+    PyObject *made = NULL;
+    if (code != NULL && numeric_array != NULL && (octets != NULL || !size)) {
+        if (octets != NULL && swap) swap_all(PyBytes_AS_STRING(octets), size / node->child->size, node->child->size);
+        made = PyObject_CallFunctionObjArgs(numeric_array, code, octets, NULL);
+    }
+    Py_XDECREF(code);
+    Py_XDECREF(octets);
+    return made;
+}
+
+static PyObject *take_numbers(Reader *r, const Node *node) {
+    Py_ssize_t count = node->length, size = node->child->size;
+    if (!node->dimensions && (take_count(r, &count) || (node->bound >= 0 && count > node->bound))) return NULL;
+    if (node->form == AS_LIST || (!node->dimensions && count <= node->minimum)) return node->dimensions > 1 ? take_rows(r, node, 0) : take_items(r, node->child, count);
+    if (count && (count > (r->end - r->position) / size || begin(r, node->child->align, count * size))) return NULL;
+    const unsigned char *at = r->data + r->position;
+    r->position += count * size;
+    if (node->form == AS_ARRAY) return array_of(node, at, count * size, r->swap);
+    PyObject *octets = PyByteArray_FromStringAndSize((const char *)at, count * size);
+    if (octets == NULL) return NULL;
+    if (r->swap) swap_all(PyByteArray_AS_STRING(octets), count, size);
+    PyObject *made = PyObject_CallOneArg(node->first, octets);
+    Py_DECREF(octets);
+    return made;
+}
+
+/* A string of UTF-16 units without NUL: `each` is the size of a unit, 2 or 4. */
+static PyObject *text_of_units(const unsigned char *at, Py_ssize_t count, int each, int swap) {
+    Py_UCS4 most = 0;
+    int pairs = 0;
+    for (Py_ssize_t i = 0; i < count; i++) {
+        Py_UCS4 unit = each == 2 ? load16(at + 2 * i, swap) : load32(at + 4 * i, swap);
+        if (!unit || unit > 0xFFFF) return NULL;
+        if (unit >= 0xD800 && unit < 0xE000) pairs = 1;
+        most |= unit;
+    }
+    if (pairs && each == 2) {
+        int order = (PY_LITTLE_ENDIAN ? !swap : swap) ? -1 : 1;
+        return PyUnicode_DecodeUTF16((const char *)at, 2 * count, "strict", &order);
+    }
+    if (pairs) return NULL;
+    PyObject *text = PyUnicode_New(count, most);
+    if (text == NULL) return NULL;
+    int kind = PyUnicode_KIND(text);
+    void *data = PyUnicode_DATA(text);
+    for (Py_ssize_t i = 0; i < count; i++)
+        PyUnicode_WRITE(kind, data, i, each == 2 ? load16(at + 2 * i, swap) : load32(at + 4 * i, swap));
+    return text;
+}
+
+static PyObject *wide_text(const Node *node, const unsigned char *at, Py_ssize_t size) {
+    int little = 0;
+    if (size >= 2 && ((at[0] == 0xFF && at[1] == 0xFE) || (at[0] == 0xFE && at[1] == 0xFF))) {
+        little = at[0] == 0xFF;
+        at += 2;
+        size -= 2;
+    }
+    if (size & 1 || (node->bound >= 0 && size > node->bound - 2)) return NULL;
+    return text_of_units(at, size / 2, 2, PY_LITTLE_ENDIAN ? !little : little);
+}
+
+static PyObject *take_text(Reader *r, const Node *node) {
+    Py_ssize_t count = node->length;
+    if (count < 0 && (take_count(r, &count) || (node->bound >= 0 && count > node->bound))) return NULL;
+    if (count > r->end - r->position) return NULL;
+    const unsigned char *at = r->data + r->position;
+    const char *octets = (const char *)at;
+    r->position += count;
+    switch (node->form) {
+    case OCTETS: return PyBytes_FromStringAndSize(octets, count);
+    case CHARACTERS: return PyUnicode_DecodeLatin1(octets, count, "strict");
+    case STRING:
+        if (!count) return PyUnicode_New(0, 0);
+        if (memchr(octets, 0, count) != octets + count - 1) return NULL;
+        return PyUnicode_DecodeUTF8(octets, count - 1, "strict");
+    case WIDE_STRING: return wide_text(node, at, count);
+    default: return count & 1 ? NULL : text_of_units(at, count / 2, 2, r->swap);
+    }
+}
+
+static PyObject *take_words(Reader *r, const Node *node) {
+    Py_ssize_t count;
+    if (take_count(r, &count) || (node->bound >= 0 && count > node->bound)) return NULL;
+    if (count > (r->end - r->position) / 4) return NULL;
+    const unsigned char *at = r->data + r->position;
+    r->position += 4 * count;
+    return text_of_units(at, count, 4, r->swap);
+}
+
+/* Takes the count of a collection, and compares it with the octets that are left. */
+static int take_repetitions(Reader *r, const Node *node, Py_ssize_t *count) {
+    *count = node->length;
+    if (node->length >= 0) return 0;
+    if (take_count(r, count) || (node->bound >= 0 && *count > node->bound)) return -1;
+    Py_ssize_t most = node->minimum ? (r->end - r->position) / node->minimum : EMPTY_ELEMENTS;
+    return *count > most ? -1 : 0;
+}
+
+static PyObject *take_repeated(Reader *r, const Node *node) {
+    Py_ssize_t count;
+    if (take_repetitions(r, node, &count)) return NULL;
+    if (node->length >= 0 && node->minimum && count > (r->end - r->position) / node->minimum) return NULL;
+    PyObject *list = PyList_New(count);
+    if (list == NULL) return NULL;
+    for (Py_ssize_t i = 0; i < count; i++) {
+        PyObject *item = take(r, node->child);
+        if (item == NULL) {
+            Py_DECREF(list);
+            return NULL;
+        }
+        PyList_SET_ITEM(list, i, item);
+    }
+    return list;
+}
+
+static PyObject *take_map(Reader *r, const Node *node) {
+    Py_ssize_t count;
+    if (take_repetitions(r, node, &count)) return NULL;
+    PyObject *map = PyDict_New();
+    for (Py_ssize_t i = 0; map != NULL && i < count; i++) {
+        PyObject *key = take(r, node->key);
+        PyObject *item = key == NULL ? NULL : take(r, node->child);
+        if (item == NULL || PyDict_SetItem(map, key, item)) Py_CLEAR(map);
+        Py_XDECREF(key);
+        Py_XDECREF(item);
+    }
+    if (map != NULL && PyDict_GET_SIZE(map) != count) Py_CLEAR(map);
+    return map;
+}
+
+/* Structs with more members are made by a list of their values on the heap. */
+#define FEW 32
+
+static PyObject *take_struct(Reader *r, const Node *node) {
+    PyObject *few[FEW], **values = few, *made = NULL;
+    if (node->count > FEW) {
+        values = PyMem_Calloc(node->count, sizeof(PyObject *));
+        if (values == NULL) return PyErr_NoMemory();
+    }
+    Py_ssize_t i;
+    for (i = 0; i < node->count; i++) {
+        values[i] = take(r, node->members[i].node);
+        if (values[i] == NULL) break;
+    }
+    if (i == node->count) made = instance(node, values);
+    else while (i--) Py_DECREF(values[i]);
+    if (values != few) PyMem_Free(values);
+    return made;
+}
+
+static PyObject *take_union(Reader *r, const Node *node) {
+    int64_t number;
+    PyObject *values[2] = {take(r, node->child), NULL};
+    if (values[0] == NULL) return NULL;
+    if (!union_number(values[0], &number)) {
+        const Node *branch = branch_of(node, number);
+        values[1] = branch == NULL ? Py_NewRef(Py_None) : take(r, branch);
+    }
+    if (values[1] != NULL) return instance(node, values);
+    Py_DECREF(values[0]);
+    return NULL;
+}
+
+typedef struct {
+    uint32_t id;
+    int must_understand, ends;
+    Py_ssize_t stop;
+} Header;
+
+/* DDS-XTypes 1.3, 7.4.3.4.2; `next_member` of layouts/headers.py. */
+static int take_member_header(Reader *r, Py_ssize_t end, Header *header) {
+    static const int sizes[] = {1, 4, 8};
+    if (begin(r, 4, 4)) return -1;
+    uint32_t number = load32(r->data + r->position, r->swap);
+    uint32_t code = number >> 28 & 7;
+    int64_t size = (int64_t)1 << code;
+    r->position += 4;
+    if (code >= 4) {
+        if (r->end - r->position < 4) return -1;
+        size = load32(r->data + r->position, r->swap);
+        if (code == 4) r->position += 4;
+        else size = 4 + size * sizes[code - 5];
+    }
+    if (size > end - r->position) return -1;
+    header->id = number & MEMBER_ID;
+    header->must_understand = number >> 31;
+    header->ends = 0;
+    header->stop = r->position + (Py_ssize_t)size;
+    return 0;
+}
+
+/* DDS-XTypes 1.3, 7.4.1.2; `next_parameter` of layouts/headers.py. */
+static int take_parameter_header(Reader *r, Header *header) {
+    if (begin(r, 4, 4)) return -1;
+    uint32_t pid = load16(r->data + r->position, r->swap), size = load16(r->data + r->position + 2, r->swap);
+    r->position += 4;
+    header->must_understand = (pid & 0x4000) != 0;
+    header->ends = 0;
+    uint32_t masked = pid & ~0x4000u;
+    if (masked == 0x3F02) {
+        header->ends = 1;
+        return 0;
+    }
+    if (masked == 0x3F01) {
+        if (size != 8 || r->end - r->position < 8) return -1;
+        uint32_t flags = load32(r->data + r->position, r->swap);
+        size = load32(r->data + r->position + 4, r->swap);
+        r->position += 8;
+        header->must_understand = (flags & LONG_MUST_UNDERSTAND) != 0;
+        masked = flags & (MEMBER_ID | LONG_IMPLEMENTATION);
+    } else if (masked == 0x3F03) {
+        masked = LONG_IMPLEMENTATION;
+    } else if (masked & 0x8000) {
+        masked = (masked & ~0x8000u) | LONG_IMPLEMENTATION;
+    }
+    if ((int64_t)size > r->end - r->position) return -1;
+    header->id = masked;
+    header->stop = r->position + (Py_ssize_t)size;
+    return 0;
+}
+
+/* The value of a parameter, whose octets are all that it sees, and which it fills except for padding. */
+static PyObject *take_content(Reader *r, const Node *node, Py_ssize_t stop, Py_ssize_t padding) {
+    Py_ssize_t end = r->end, base = r->base;
+    r->base = r->position;
+    r->end = stop;
+    PyObject *value = take(r, node);
+    if (value != NULL && (r->position > stop || stop - r->position > padding)) Py_CLEAR(value);
+    r->position = stop;
+    r->base = base;
+    r->end = end;
+    return value;
+}
+
+static PyObject *take_parameter(Reader *r, const Node *node) {
+    Header header;
+    if (take_parameter_header(r, &header) || header.ends || header.id != node->id) return NULL;
+    if (r->position == header.stop) return Py_NewRef(Py_None);
+    return take_content(r, node->child, header.stop, 0);
+}
+
+static const Member *member_of(const Node *node, uint32_t id, Py_ssize_t *likely) {
+    for (Py_ssize_t i = 0; i < node->count; i++) {
+        Py_ssize_t place = (*likely + i) % node->count;
+        if (node->members[place].id == id) {
+            *likely = place + 1;
+            return &node->members[place];
+        }
+    }
+    return NULL;
+}
+
+static int take_listed(Reader *r, const Node *node, Py_ssize_t end, PyObject **values) {
+    Py_ssize_t likely = 0;
+    for (;;) {
+        Header header;
+        if (node->version == 2) {
+            if (r->position >= end) return r->position == end ? 0 : -1;
+            if (take_member_header(r, end, &header)) return -1;
+        } else {
+            if (take_parameter_header(r, &header)) return -1;
+            if (header.ends) return 0;
+        }
+        const Member *member = member_of(node, header.id, &likely);
+        if (member == NULL) {
+            if (header.must_understand) return -1;
+            r->position = header.stop;
+            continue;
+        }
+        PyObject **value = &values[member - node->members];
+        if (*value != NULL) return -1;
+        if (node->version == 1) *value = take_content(r, member->node, header.stop, 3);
+        else *value = take(r, member->node);
+        if (*value == NULL || r->position != header.stop) return -1;
+    }
+}
+
+/* An instance with the members that were there; the class has defaults for the others. */
+static PyObject *partial_instance(const Node *node, PyObject **values) {
+    PyObject *keywords = PyDict_New(), *none = PyTuple_New(0), *made = NULL;
+    int failed = keywords == NULL || none == NULL;
+    for (Py_ssize_t i = 0; i < node->count && !failed; i++)
+        if (values[i] != NULL) failed = PyDict_SetItem(keywords, node->members[i].name, values[i]);
+    if (!failed) made = PyObject_Call(node->type, none, keywords);
+    Py_XDECREF(keywords);
+    Py_XDECREF(none);
+    for (Py_ssize_t i = 0; i < node->count; i++) Py_XDECREF(values[i]);
+    return made;
+}
+
+static PyObject *take_list(Reader *r, const Node *node, Py_ssize_t end) {
+    PyObject **values = PyMem_Calloc(node->count ? node->count : 1, sizeof(PyObject *)), *made = NULL;
+    if (values == NULL) return PyErr_NoMemory();
+    int failed = end > r->end || take_listed(r, node, end, values), whole = 1;
+    for (Py_ssize_t i = 0; i < node->count; i++) {
+        whole &= values[i] != NULL;
+        failed |= values[i] == NULL && node->members[i].key;
+    }
+    if (!failed) made = whole ? instance(node, values) : partial_instance(node, values);
+    else for (Py_ssize_t i = 0; i < node->count; i++) Py_XDECREF(values[i]);
+    PyMem_Free(values);
+    return made;
+}
+
+static PyObject *take_delimited(Reader *r, const Node *node) {
+    Py_ssize_t size;
+    if (take_count(r, &size) || size > r->end - r->position) return NULL;
+    Py_ssize_t end = r->position + size;
+    if (node->child->kind == LIST) return take_list(r, node->child, end);
+    PyObject *value = take(r, node->child);
+    if (value != NULL && r->position != end) Py_CLEAR(value);
+    return value;
+}
+
+static PyObject *take_optional(Reader *r, const Node *node) {
+    if (r->end - r->position < 1 || r->data[r->position] > 1) return NULL;
+    return r->data[r->position++] ? take(r, node->child) : Py_NewRef(Py_None);
+}
+
+static PyObject *take_nested(Reader *r, const Node *node) {
+    switch (node->kind) {
+    case WORDS: return take_words(r, node);
+    case NUMBERS: return take_numbers(r, node);
+    case REPEAT: return take_repeated(r, node);
+    case MAP: return take_map(r, node);
+    case STRUCT: return take_struct(r, node);
+    case UNION: return take_union(r, node);
+    case LIST: return node->version == 1 ? take_list(r, node, r->end) : NULL;
+    case DELIMITED: return take_delimited(r, node);
+    case OPTIONAL: return take_optional(r, node);
+    case PARAMETER: return take_parameter(r, node);
+    default: return NULL;
+    }
+}
+
+PyObject *take(Reader *r, const Node *node) {
+    if (node->kind <= HOOK) return take_atom(r, node);
+    if (node->kind == TEXT) return take_text(r, node);
+    if (++r->depth > MAX_DEPTH) return NULL;
+    PyObject *value = take_nested(r, node);
+    r->depth--;
+    return value;
+}

@@ -1,0 +1,221 @@
+"""The codecs in C and in Python: equal octets, values and errors, for drawn types and values."""
+
+from __future__ import annotations
+
+import sys
+from array import array
+from collections.abc import Callable, Iterator
+from decimal import Decimal
+from enum import IntEnum
+from pathlib import Path
+from random import Random
+from typing import Any
+
+import emitted
+import pytest
+import speed
+from random_types import Definitions, Values
+from seeds import cases
+
+from rtgen.runtime.cdr import Aggregated, CdrError, Union
+from rtgen.runtime.marshalling import compiler, tables
+from rtgen.runtime.marshalling.descriptors import NULL
+from rtgen.runtime.marshalling.layouts.formats import CLASSIC, Format
+from rtgen.runtime.marshalling.layouts.trees import can_evolve
+
+sys.path.append(str(Path(__file__).parents[2] / "fuzz"))
+sys.path.append(str(Path(__file__).parents[2] / "tools" / "diff"))
+
+from octets import changed
+from wire_values import sample
+from wire_versions import Drawing
+
+FORMATS = (CLASSIC, Format(1), Format(2))
+CHANGES = 6
+VALUES = 2
+
+
+@pytest.fixture(autouse=True)
+def in_c(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Types have codecs in C if `tables` covers them."""
+    module = speed.module()
+    module.set_numeric_array(tables.NumericArray)
+    monkeypatch.setattr(tables, "speed", lambda: module)
+
+
+class Both:
+    """The functions of a kind for a type, in C and in Python."""
+
+    def __init__(self, kind: str, descriptor: Any, format_: Format) -> None:
+        self.in_python = compiler.compiled_in_python(kind, descriptor, format_)
+        self.in_c = tables.codec(kind, descriptor, format_, lambda: _leave)
+        self._evolves = format_.version > 0 and can_evolve(descriptor)
+
+    def taken(self, *arguments: Any) -> str:
+        """Return the outcome of both, which C does not leave to Python."""
+        wanted = _outcome(self.in_python, *arguments)
+        try:
+            outcome = _outcome(self.in_c, *arguments)
+        except _LeftError:
+            raise AssertionError(f"{arguments} are left to Python: {wanted}") from None
+        assert outcome == wanted
+        return outcome
+
+    def given(self, *arguments: Any, is_rare: bool = False) -> str:
+        """Return the outcome of arguments that C may leave to Python.
+
+        These are errors, octets of other versions of a type, and values in a rare form.
+        """
+        wanted = _outcome(self.in_python, *arguments)
+        try:
+            outcome = _outcome(self.in_c, *arguments)
+        except _LeftError:
+            assert is_rare or self._evolves or wanted.startswith("CdrError"), arguments
+        else:
+            assert outcome == wanted
+        return wanted
+
+
+class _LeftError(BaseException):
+    """Raised where a codec calls the function in Python."""
+
+
+def _leave(*_: Any, **__: Any) -> Any:
+    raise _LeftError
+
+
+def _outcome(function: Callable[..., Any], *arguments: Any) -> str:
+    try:
+        return repr(function(*arguments))
+    except CdrError as error:
+        return f"CdrError at {error.path}: {error.message}"
+
+
+class Checked:
+    """The codecs of a type in a format."""
+
+    def __init__(self, class_: Any, format_: Format) -> None:
+        descriptor = class_._descriptor_
+        self._class = class_
+        self._encode = Both("to_cdr", descriptor, format_)
+        self._decode = Both("from_cdr", descriptor, format_)
+        self._is_aggregated = issubclass(class_, Aggregated)
+        if self._is_aggregated:
+            self._copy = Both("_snapshot_", descriptor, CLASSIC)
+        self._is_struct = issubclass(class_, Aggregated) and not issubclass(
+            class_, Union
+        )
+        if self._is_struct:
+            self._prefix = Both("from_prefix", descriptor, format_)
+        self._has_payload = format_.version > 0 and self._is_aggregated
+        if self._has_payload:
+            self._payload = Both("to_payload", descriptor, format_)
+
+    @classmethod
+    def covered(cls, class_: Any, format_: Format) -> Checked | None:
+        """Return the codecs of a type; None if they are in Python alone."""
+        descriptor = class_._descriptor_
+        if tables.codec("to_cdr", descriptor, format_, lambda: _leave) is None:
+            return None
+        return cls(class_, format_)
+
+    def value(self, value: Any, draw: Random) -> None:
+        """Compare a value, its octets, and changes of both."""
+        for little in (True, False):
+            if self._encode.given(value, little).startswith("CdrError"):
+                continue  # a member is None, and classic CDR has no optional ones
+            self._encode.taken(value, little)
+            octets = self._encode.in_python(value, little)
+            source = draw.choice((bytes, bytearray, memoryview))(octets)
+            self._decode.taken(self._class, source, little)
+            assert (
+                self._encode.in_c(
+                    self._decode.in_c(self._class, octets, little), little
+                )
+                == octets
+            )
+            if self._has_payload:
+                self._payload.taken(value, little)
+            for _ in range(CHANGES):
+                self.octets(changed(draw, octets, little), little)
+            for end in draw.choices(range(len(octets) + 1), k=4):
+                self.octets(octets[:end], little)
+        if self._is_aggregated:
+            self._copy.taken(value)
+
+    def octets(self, octets: bytes, little: bool) -> None:
+        """Compare what octets are decoded to."""
+        outcome = self._decode.given(self._class, octets, little)
+        if self._is_struct:
+            self._prefix.given(self._class, octets, little)
+        if not outcome.startswith("CdrError"):
+            self._encode.given(
+                self._decode.in_python(self._class, octets, little), little
+            )
+
+    def damaged(self, value: Any, draw: Random) -> None:
+        """Compare a value of which a part is of another kind."""
+        self._encode.given(_damaged(value, draw), draw.random() < 0.5, is_rare=True)
+
+
+_ODD = (None, "x", b"x", -1, 1 << 40, 1 << 64, 1.5, 1e300, [], [None], (1, 2), {}, True)
+_ODD += (
+    "\0",
+    "a\ud800",
+    "\u6f22",
+    "\U0001f600",
+    [1],
+    array("d", [1.0]),
+    bytearray(b"ab"),
+)
+_ODD += (range(3), Decimal(1), IntEnum("Odd", "A").A)
+
+
+def _damaged(value: Any, draw: Random) -> Any:
+    """Return the value with another part in place of one, anywhere inside it."""
+    if isinstance(value, Aggregated) and draw.random() < 0.9:
+        name = draw.choice(value.__struct_fields__ or ("",))
+        made = value._snapshot_()
+        if name:
+            setattr(made, name, _damaged(getattr(value, name), draw))
+        return made
+    if isinstance(value, list) and value and draw.random() < 0.7:
+        place = draw.randrange(len(value))
+        return [*value[:place], _damaged(value[place], draw), *value[place + 1 :]]
+    return draw.choice(_ODD)
+
+
+def _drawn(number: int, folder: Path) -> Iterator[tuple[Any, Any, Random]]:
+    """Yield classes and values: types with headers by an odd number, those of CORBA by an even."""
+    draw = Random(number)
+    if number % 2:
+        package = emitted.emit_text(folder, Drawing(draw).definitions().text())
+        for class_ in emitted.classes(package):
+            if issubclass(class_, Aggregated):
+                for _ in range(VALUES):
+                    yield class_, sample(class_._descriptor_, draw), draw
+        return
+    package = emitted.emit_text(folder, Definitions(draw, f"Drawn{number}").text(20))
+    for class_ in emitted.classes(package):
+        if hasattr(class_, "to_cdr"):
+            for _ in range(VALUES):
+                yield class_, Values(draw, [NULL], state=False).value(
+                    class_._descriptor_
+                ), draw
+
+
+def test_drawn_types(tmp_path: Path) -> None:
+    covered = 0
+    for number in cases(20, least=4):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        for class_, value, draw in _drawn(number, folder):
+            for format_ in FORMATS:
+                checked = Checked.covered(class_, format_)
+                if checked is not None and hasattr(
+                    class_, f"to_xcdr{format_.version or 2}"
+                ):
+                    covered += 1
+                    checked.value(value, draw)
+                    checked.damaged(value, draw)
+    assert covered
