@@ -30,5 +30,5 @@ ROS2_OPTION = click.option(
     is_flag=False,
     flag_value=AUTOMATIC,
     metavar="[rclpy|dds|zenoh]",
-    help="Be nodes of ROS 2; default: rclpy if it is there, else dds.",
+    help="Be nodes of ROS 2; default: rclpy, or else dds.",
 )

@@ -10,6 +10,7 @@ import click
 
 from rtgen.cli.help import grouped
 from rtgen.cli.parameter_types import FiniteRange
+from rtgen.facts.threads import Threads
 from rtgen.facts.value_checks import CheckValues
 from rtgen.tools.running.failures import FailureOptions
 from rtgen.tools.running.live_options import LiveOptions
@@ -151,15 +152,22 @@ def with_live(command: Callable[..., int]) -> Callable[..., int]:
             metavar="FACTOR",
             help="Simulated seconds per second.",
         ),
+        click.option(
+            "--threads",
+            type=click.Choice([each.value for each in Threads]),
+            metavar="WHICH",
+            help="In real time: shared (one), or own.",
+        ),
     )
     @functools.wraps(command)
     def wrapped(
         *args: Any,
         place: tuple[str, int] | None,
         rate: float | None,
+        threads: str | None,
         **kwargs: Any,
     ) -> int:
-        return command(*args, live=LiveOptions(place, rate), **kwargs)
+        return command(*args, live=LiveOptions(place, rate, threads), **kwargs)
 
     return wrapped
 

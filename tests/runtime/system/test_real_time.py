@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import logging
+import re
 import threading
 import time
 from collections.abc import Callable, Iterator
@@ -76,7 +78,9 @@ def test_instants_stay_on_the_grid(now: int, due: int, overruns: int) -> None:
     assert next_instant(1000, 100, now) == (due, overruns)
 
 
-def test_components_tick_in_threads_of_their_own(system: System) -> None:
+@pytest.mark.parametrize("asked", ["shared", "own"])
+def test_components_tick_in_one_thread_or_in_threads_of_their_own(asked: str) -> None:
+    system = System(RealClock(), threads=asked)
     threads: dict[str, set[str]] = {"a": set(), "b": set()}
 
     def actor(name: str) -> Actor:
@@ -84,7 +88,10 @@ def test_components_tick_in_threads_of_their_own(system: System) -> None:
 
     activated(system, actor("a"), actor("b"))
     run_until(system, lambda: min(system.statistics(n).ticks for n in threads) >= 3)
-    assert threads == {"a": {"rtgen a"}, "b": {"rtgen b"}}
+    of_each = {name: {f"rtgen {name}"} for name in threads}
+    assert threads == (
+        of_each if asked == "own" else {n: {"rtgen ticks"} for n in "ab"}
+    )
     system.close()
     assert not [t for t in threading.enumerate() if t.name.startswith("rtgen ")]
 
@@ -401,3 +408,160 @@ def test_connections_are_cut_and_remade_while_active(system: System) -> None:
     system.context("reader").stop()
     assert got == sorted(set(got))
     assert len(got) + port.lost + out.unsent == next(numbers)
+
+
+def other_thread(system: System, name: str) -> str:
+    """Return the name of the thread in which a component ticks now."""
+    component = system.component(name)
+    assert isinstance(component, Actor)
+    seen: list[str] = []
+    component.execute = lambda: seen.append(threading.current_thread().name)
+    run_until(system, lambda: bool(seen))
+    return seen[-1]
+
+
+def test_a_tick_that_waits_for_another_component_does_not_stop_it(
+    system: System, caplog: pytest.LogCaptureFixture
+) -> None:
+    caplog.set_level(logging.INFO, "rtgen.runtime")
+    ticked, came = threading.Event(), threading.Event()
+
+    def wait() -> None:
+        if not came.is_set() and ticked.wait(WAIT):
+            came.set()
+
+    activated(system, Actor("a", wait), Actor("b", lambda: None))
+    component = system.component("b")
+    assert isinstance(component, Actor)
+    run_until(system, lambda: system.statistics("a").ticks == 1)
+    component.execute = ticked.set
+    run_until(system, came.is_set)
+    run_until(system, lambda: bool(caplog.records))
+    (note,) = caplog.records
+    assert note.levelname == "NOTE"
+    assert re.fullmatch(
+        r"a has a thread of its own from now on: on_execute"
+        r" \(.*test_real_time.py, line \d+\) keeps others waiting",
+        note.getMessage(),
+    )
+    assert other_thread(system, "a") == "rtgen a"
+    assert other_thread(system, "b") == "rtgen ticks"
+    assert system.context("a").has_own_thread
+    assert not system.context("b").has_own_thread
+
+
+def test_a_tick_that_computes_for_long_does_not_keep_others_waiting(
+    system: System,
+) -> None:
+    ticks = 0
+
+    def compute() -> None:
+        before = system.statistics("b").ticks
+        while system.statistics("b").ticks < before + 3:
+            pass
+
+    def count() -> None:
+        nonlocal ticks
+        ticks += 1
+
+    activated(system, Actor("a", compute), Actor("b", count))
+    run_until(system, lambda: system.statistics("a").ticks >= 2)
+    assert ticks >= 3
+    assert other_thread(system, "a") == "rtgen a"
+
+
+def test_a_policy_that_waits_leaves_the_thread_first(system: System) -> None:
+    properties = {EMPTY: "block", "dataport.buffer.read.timeout": "60"}
+    _, out, port = joined(properties, system)
+    reader, writer = system.component("reader"), system.component("writer")
+    assert isinstance(reader, Actor)
+    assert isinstance(writer, Actor)
+    got: list[object] = []
+    reader.execute = lambda: got.append(port.read())
+    run_until(system, lambda: system.statistics("reader").ticks >= 1)
+    assert got == []
+    writer.execute = lambda: out.write(long(3))
+    run_until(system, lambda: bool(got))
+    assert got[0] == long(3)
+    assert system.context("reader").has_own_thread
+    assert not system.context("writer").has_own_thread
+
+
+def test_a_callback_that_waits_once_does_not_keep_its_thread(system: System) -> None:
+    ticked = threading.Event()
+
+    class Slow(Actor):
+        def on_activated(self, ec_id: int) -> ReturnCode_t:
+            ticked.wait(WAIT)
+            return RTC_OK
+
+    activated(system, Slow("a"))
+    activated(system, Actor("b", ticked.set))
+    run_until(system, lambda: system.state("a") is ACTIVE_STATE)
+    assert other_thread(system, "a") == other_thread(system, "b") == "rtgen ticks"
+    assert not system.context("a").has_own_thread
+
+
+def test_a_tick_that_takes_the_time_of_others_is_named(system: System) -> None:
+    def wait() -> None:
+        time.sleep(0.005)
+
+    activated(system, Actor("slow", wait), rate_hz=100.0)
+    activated(system, Actor("fast"), rate_hz=1000.0)
+    run_until(system, lambda: system.context("slow").has_own_thread)
+    assert system.context("fast").causes["slow"] > 0
+    ticks = system.statistics("slow").ticks
+    run_until(system, lambda: system.statistics("slow").ticks > ticks)
+    assert other_thread(system, "slow") == "rtgen slow"
+
+
+def test_one_component_has_a_thread_of_its_own_if_it_is_asked_for() -> None:
+    with System(RealClock()) as system:
+        names: dict[str, set[str]] = {"a": set(), "b": set()}
+        for name, threads in (("a", "own"), ("b", None)):
+            actor = Actor(
+                name, lambda n=name: names[n].add(threading.current_thread().name)
+            )
+            system.add(actor, threads=threads)
+            system.activate(name)
+        run_until(system, lambda: all(names.values()))
+        assert names == {"a": {"rtgen a"}, "b": {"rtgen ticks"}}
+
+
+def test_a_context_that_starts_later_ticks_at_once(system: System) -> None:
+    activated(system, Actor("a"), rate_hz=100.0)
+    run_until(system, lambda: system.statistics("a").ticks >= 2)
+    activated(system, Actor("b"), rate_hz=0.001)
+    run_until(system, lambda: system.statistics("b").ticks == 1)
+
+
+def test_contexts_of_equal_instants_tick_in_their_order(system: System) -> None:
+    seen: list[str] = []
+    names = ("c", "a", "b")
+    rates = dict(zip(names, (100.0, 200.0, 100.0), strict=True))
+    for name in names:
+        actor = Actor(name, lambda n=name: seen.append(n))
+        activated(system, actor, rate_hz=rates[name])
+    run_until(system, lambda: seen.count("c") >= 4)
+    order = "".join(seen[: seen.index("c", 3)])
+    assert "cab" in order
+
+
+@pytest.mark.parametrize("when", ["before", "during"])
+def test_a_context_of_the_shared_thread_is_stopped_by_another(
+    system: System, when: str
+) -> None:
+    stopped: list[ReturnCode_t] = []
+
+    def stop() -> None:
+        if not stopped:
+            stopped.append(system.context("a").stop())
+
+    pair = (Actor("a"), Actor("b", stop))
+    activated(system, *(pair if when == "during" else pair[::-1]))
+    run_until(system, lambda: bool(stopped))
+    ticks = system.statistics("a").ticks
+    count = system.statistics("b").ticks
+    run_until(system, lambda: system.statistics("b").ticks >= count + 3)
+    assert stopped == [RTC_OK]
+    assert system.statistics("a").ticks == ticks

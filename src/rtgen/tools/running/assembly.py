@@ -82,6 +82,7 @@ def assemble(
     prepare: Callable[[runtime.System], None] | None = None,
     checkpoints: runtime.CheckpointFolder | None = None,
     check_values: str = "first",
+    threads: str = "shared",
     skipped: Callable[[Diagnostic], None] | None = None,
     stay_inactive: bool = False,
 ) -> runtime.System:
@@ -109,7 +110,7 @@ def assemble(
     ]
     _raise_if_any(findings)
     report = report or FailureReport(Console("text", False, False), FailureOptions())
-    system = runtime.System(clock, transport, checkpoints, check_values)
+    system = runtime.System(clock, transport, checkpoints, check_values, threads)
     system.on_failure = report
     publishing: AbstractContextManager[None] = nullcontext()
     if isinstance(transport, PublishingTransport):

@@ -74,6 +74,7 @@ def executed(plan: Plan, console: Console) -> int:
             report,
             checkpoints=_checkpoint_folder(options.checkpoints),
             check_values=options.check_values,
+            threads=options.live.threads or "shared",
             stay_inactive=options.inactive,
         ) as running,
     ):

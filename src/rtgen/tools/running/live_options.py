@@ -16,10 +16,11 @@ from rtgen.tools.running.pace import pace
 
 @dataclass(frozen=True, slots=True)
 class LiveOptions:
-    """Address for clients of a live view, and the pace of simulated time."""
+    """Address for clients of a live view, the pace of simulated time, the threads of real time."""
 
     place: tuple[str, int] | None = None
     rate: float | None = None
+    threads: str | None = None
 
     def begin(
         self,
@@ -33,6 +34,10 @@ class LiveOptions:
         simulated = isinstance(running.clock, runtime.SimulatedClock)
         if self.rate is not None and not simulated:
             raise Refusal("--rate goes with --clock sim")
+        if self.threads is not None and simulated:
+            raise Refusal(
+                "--threads goes with --clock real: simulated time has no threads"
+            )
         if self.place is not None:
             from rtgen.tools.recording.errors import RecordingError
             from rtgen.tools.recording.live_view import LiveView

@@ -8,6 +8,7 @@ from weakref import WeakKeyDictionary
 
 from rtgen import runtime
 from rtgen.runtime.system.records import StateRecord
+from rtgen.runtime.system.runner import ALL, MACHINE
 from rtgen.tools.running.texts import duration, name_of
 
 _Counts: TypeAlias = WeakKeyDictionary[runtime.DataConnector[Any], int]
@@ -95,11 +96,25 @@ def _full(connector: runtime.DataConnector[Any]) -> int:
 
 
 def overruns(context: runtime.ExecutionContext) -> str:
-    """Return why a context missed ticks, with a remedy."""
+    """Return why a context missed ticks, with a remedy for each cause."""
     longest, period = context.longest, context.period
     times = (
         f"the longest tick took {duration(longest)} of a period of {duration(period)}"
     )
-    if longest > period:
-        return f"{times}; do less in on_execute, or lower the rate"
-    return f"ticks began late, the machine was busy; {times}"
+    own = context.owner.instance_name if context.owner else "shared"
+    causes = dict(context.causes)
+    reasons = [
+        (causes.pop(own, 0), f"{times}; do less in on_execute, or lower the rate")
+    ]
+    machine = f"ticks began late, the machine was busy; {times}"
+    reasons.append((causes.pop(MACHINE, 0), machine))
+    all_ = "the ticks of all components of the thread take longer; lower the rates"
+    reasons.append((causes.pop(ALL, 0), all_))
+    reasons += [
+        (count, f"{name} ticked in the same thread; `rtgen.threads: own` in its .conf")
+        for name, count in sorted(causes.items())
+    ]
+    reasons = [each for each in reasons if each[0]] or [(context.overruns, machine)]
+    if len(reasons) == 1:
+        return reasons[0][1]
+    return "; ".join(f"{count} times: {text}" for count, text in reasons)

@@ -12,6 +12,7 @@ from rtgen.facts.opaque_rpc import FIRST_PORT, TIMEOUT
 from rtgen.runtime.opaque_rpc.channel import Channel
 from rtgen.runtime.opaque_rpc.ends import checked_timeout
 from rtgen.runtime.opaque_rpc.errors import E_NOEXS, E_TMOUT, ChannelError
+from rtgen.runtime.timing.stepping_aside import step_aside
 
 if TYPE_CHECKING:
     from rtgen.runtime.timing.simulated_network import SimulatedNetwork
@@ -119,6 +120,7 @@ class Link:
 
     def begin(self, request: bytes, first: int) -> bytes:
         """See `Channel`. Waits for the current call, at most as long as a call may take."""
+        step_aside()
         settings = self._settings
         seconds = 0.0 if settings is None else settings.timeout
         if not self._lock.acquire(timeout=seconds):

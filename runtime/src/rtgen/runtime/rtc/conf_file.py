@@ -10,6 +10,7 @@ import msgspec
 
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, read_file
+from rtgen.facts.threads import Threads
 from rtgen.runtime.errors import ConfFileError
 
 _MAX_BYTES = 1024 * 1024
@@ -29,6 +30,7 @@ class ConfFile(msgspec.Struct, frozen=True, gc=False):
     sets: dict[str, dict[str, str]] = msgspec.field(default_factory=dict)
     active_set: str | None = None
     rate: float | None = None
+    threads: Threads | None = None
     others: dict[str, str] = msgspec.field(default_factory=dict)
 
 
@@ -49,7 +51,7 @@ def parse(text: str, name: str = "<conf>") -> ConfFile:
     one of `tnrf` are a control character; before another character, a backslash is removed.
     """
     conf = ConfFile()
-    active_set, rate = conf.active_set, conf.rate
+    active_set, rate, threads = conf.active_set, conf.rate, conf.threads
     for number, line in _logical_lines(text):
         match = _LINE.fullmatch(line)
         if match is None:
@@ -68,9 +70,11 @@ def parse(text: str, name: str = "<conf>") -> ConfFile:
             active_set = value
         elif key == "exec_cxt.periodic.rate":
             rate = _rate(value, f"{name}:{number}")
+        elif key == "rtgen.threads":
+            threads = _threads(value, f"{name}:{number}")
         else:
             conf.others[key] = value
-    return ConfFile(conf.sets, active_set, rate, conf.others)
+    return ConfFile(conf.sets, active_set, rate, threads, conf.others)
 
 
 def _logical_lines(text: str) -> list[tuple[int, str]]:
@@ -95,6 +99,12 @@ def _logical_lines(text: str) -> list[tuple[int, str]]:
 
 def _unescaped(text: str) -> str:
     return _ESCAPED.sub(lambda match: _CONTROLS.get(match[1], match[1]), text)
+
+
+def _threads(text: str, place: str) -> Threads:
+    if text not in set(Threads):
+        raise ConfFileError(f"{place}: {text!r} is not `shared` or `own`")
+    return Threads(text)
 
 
 def _rate(text: str, place: str) -> float:

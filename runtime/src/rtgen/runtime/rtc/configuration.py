@@ -6,6 +6,7 @@ import threading
 from collections.abc import Callable, Mapping
 from typing import Any
 
+from rtgen.facts.threads import Threads
 from rtgen.runtime.errors import UnknownConfigurationSetError, UnknownParameterError
 from rtgen.runtime.rtc.conf_file import ConfFile
 from rtgen.runtime.rtc.parameter_values import Converter
@@ -31,6 +32,8 @@ class ConfigurationSets:
     ) -> None:
         self.rate: float | None = None
         """Rate in Hz from a `.conf` file (`exec_cxt.periodic.rate`)."""
+        self.threads: Threads | None = None
+        """Thread of the context from a `.conf` file (`rtgen.threads`)."""
         self.on_change: Callable[[], None] | None = None
         """Called when values of the configuration object have changed."""
         self.traffic: Traffic | None = None
@@ -139,6 +142,7 @@ class ConfigurationSets:
             self.activate(conf.active_set)
         if conf.rate is not None:
             self.rate = conf.rate
+        self.threads = conf.threads or self.threads
 
     def apply(self) -> None:
         """Copy the values that changed since the last call to the configuration object."""

@@ -85,12 +85,17 @@ class ExecutionContext:
         kind: ExecutionKind = ExecutionKind.PERIODIC,
         driver: Driver | None = None,
         listener: StateListener | None = None,
+        has_own_thread: bool = False,
     ) -> None:
         self.owner = owner
         self.overruns = 0
         """Times (real time) without a tick because the previous one was still running."""
         self.longest = 0
         """The longest tick so far in ns, updated at an overrun."""
+        self.causes: dict[str, int] = {}
+        """Overruns by the context whose tick took the time; empty: the machine, `*`: all."""
+        self.has_own_thread = has_own_thread
+        """Whether it ticks (real time) in a thread of its own, from its next start on."""
         self.cycle: Callable[[], None] = self._cycle_of_all
         """One tick, whether or not the context is running; called by the scheduler."""
         self._rate = _checked_rate(rate_hz)

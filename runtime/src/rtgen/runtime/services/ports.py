@@ -13,6 +13,7 @@ from rtgen.facts.value_checks import CheckValues, count_of
 from rtgen.runtime.cdr import UserException
 from rtgen.runtime.marshalling.numeric import copied
 from rtgen.runtime.services.servants import ObjectNotExist, Servant, Skeleton
+from rtgen.runtime.timing.stepping_aside import step_aside
 
 if TYPE_CHECKING:
     from rtgen.runtime.services.checking import CallChecks
@@ -224,6 +225,8 @@ class Consumer(Generic[S]):
             raise ObjectNotExist(
                 f"{self} is not connected, so {operation!r} cannot be called"
             )
+        if provider.__class__ is not Provider:
+            step_aside()
         return provider.call(operation, arguments)
 
     def __getattr__(self, name: str) -> Any:

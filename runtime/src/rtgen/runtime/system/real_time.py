@@ -1,37 +1,40 @@
-"""Real time: a thread for each execution context and publisher, with drift-free periods."""
+"""Real time: the contexts of a system in one thread, by absolute times, and those that block."""
 
 from __future__ import annotations
 
+import logging
 import sys
 import threading
-import time
 from collections.abc import Callable, Sequence
 from heapq import heappop, heappush
 from typing import Any
 
 from rtgen.facts.connector_properties import Subscription
-from rtgen.runtime import requests
 from rtgen.runtime.errors import BlockedError
+from rtgen.runtime.failures import NOTE, log
 from rtgen.runtime.ports.publisher import Publisher
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.rtc.participant import Participant
-from rtgen.runtime.system import watchdog
+from rtgen.runtime.stack_frames import shown
+from rtgen.runtime.system.monitor import Monitor
+from rtgen.runtime.system.runner import Busy, Runner, Task, begin_of
 from rtgen.runtime.system.scheduling import Action
 from rtgen.runtime.system.watchdog import (
     Call,
     Watchdog,
+    call_in_thread,
     calls_under_way,
     log_blocked,
 )
 from rtgen.runtime.timing.clocks import SECOND, RealClock, period_of
+from rtgen.runtime.timing.stepping_aside import step_aside
 
 _SWITCH_INTERVAL = 0.0005
 """Time after which a thread that computes lets another one run [s] (`sys.setswitchinterval`)."""
 _POLL_INTERVAL = 5_000_000
 """Polling period of a condition of `run`, in ns, while no state changes."""
-_ASKED_AGAIN = 0.05
-"""Seconds after which a tick that has not ended is asked again to end: it may begin a call late."""
+_PERIODIC = ("on_execute", "on_state_update", "on_error")
 
 
 def next_instant(due: int, period: int, now: int) -> tuple[int, int]:
@@ -45,121 +48,6 @@ def next_instant(due: int, period: int, now: int) -> tuple[int, int]:
         return following, 0
     left_out = (now - following) // period
     return following + left_out * period, left_out + 1
-
-
-class PeriodicThread:
-    """Calls an action periodically, in a separate thread."""
-
-    def __init__(
-        self,
-        name: str,
-        period: int,
-        action: Action,
-        clock: RealClock,
-        on_overrun: Callable[[int], None],
-        on_error: Callable[[BaseException], None],
-    ) -> None:
-        self.action = action
-        self._period = period
-        self._clock = clock
-        self._on_overrun = on_overrun
-        self._on_error = on_error
-        self._wake = threading.Condition()
-        self._due = 0
-        self._begun = False
-        self.longest = 0
-        """The longest action so far, in ns."""
-        self._stopped = False
-        self._given_up = 0.0
-        """When an action in progress is abandoned, by the monotonic clock in seconds."""
-        self._woken: Action | None = None
-        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
-
-    def start(self) -> PeriodicThread:
-        """Start to call the action, now."""
-        self._due = self._clock.elapsed()
-        self._thread.start()
-        return self
-
-    def set_period(self, period: int) -> None:
-        """Change the period; the next time is one new period after the last."""
-        with self._wake:
-            if self._begun:
-                self._due += period - self._period
-            self._period = period
-            self._wake.notify()
-
-    def wake(self, action: Action) -> None:
-        """Call another action in the thread, soon; the next tick also makes up for it."""
-        with self._wake:
-            self._woken = action
-            self._wake.notify()
-
-    def halt(self) -> None:
-        """Start no further actions."""
-        with self._wake:
-            if not self._stopped:
-                self._stopped = True
-                self._given_up = time.monotonic() + watchdog.PATIENCE
-            self._wake.notify()
-
-    def stop(self, meanwhile: Action | None = None) -> bool:
-        """End the thread after the action in progress; return False if that does not end.
-
-        `meanwhile` is called now and then until the action has ended.
-        """
-        self.halt()
-        if threading.current_thread() is self._thread:
-            return True
-        while self._thread.is_alive():
-            remaining = self._given_up - time.monotonic()
-            if remaining <= 0:
-                return False
-            if meanwhile is not None:
-                meanwhile()
-            self._thread.join(
-                remaining if meanwhile is None else min(remaining, _ASKED_AGAIN)
-            )
-        return True
-
-    @property
-    def ident(self) -> int | None:
-        """The identifier of the thread."""
-        return self._thread.ident
-
-    def _run(self) -> None:
-        while self._wait():
-            woken, self._woken = self._woken, None
-            is_due = self._due <= self._clock.elapsed()
-            self._begun = self._begun or is_due
-            begun = self._clock.elapsed()
-            try:
-                if is_due:
-                    self.action()
-                elif woken is not None:
-                    woken()
-            except BaseException as error:
-                self._on_error(error)
-                return
-            if not is_due:
-                continue
-            with self._wake:
-                now = self._clock.elapsed()
-                self.longest = max(self.longest, now - begun)
-                self._due, overruns = next_instant(self._due, self._period, now)
-            if overruns:
-                requests.overruns.report()
-                self._on_overrun(overruns)
-
-    def _wait(self) -> bool:
-        with self._wake:
-            while (
-                not self._stopped
-                and self._woken is None
-                and (delay := self._due - self._clock.elapsed()) > 0
-            ):
-                self._wake.wait(delay / SECOND)
-            return not self._stopped
 
 
 class _Switching:
@@ -194,30 +82,47 @@ _switching = _Switching()
 
 
 class RealTimeScheduler:
-    """Threads for contexts and publishers; timeline and conditions run in the thread of `run`."""
+    """A thread for all contexts that do not block; timeline and conditions run in that of `run`.
+
+    A context has a thread of its own if it is asked for, or from the first tick on that waits, or
+    takes longer than other contexts can wait: then another thread goes on with the others.
+    """
 
     def __init__(self, clock: RealClock) -> None:
         self._clock = clock
         self._running = False
         self._closed = False
-        self._contexts: dict[ExecutionContext, PeriodicThread | None] = {}
+        self._tasks: dict[ExecutionContext, Task] = {}
+        self._orders: dict[ExecutionContext, int] = {}
+        self._moving = threading.RLock()
+        self._shared = Runner("rtgen ticks", clock, self)
+        self._runners = [self._shared]
         self._delayed: list[Action] = []
-        self._closers: dict[int, Callable[[], object]] = {}
         self._timeline: list[tuple[int, int, Action]] = []
         self._added = 0
         self._changed = threading.Condition()
         self._end: BaseException | None = None
         self._watchdog = Watchdog(log_blocked)
+        self._monitor = Monitor(lambda: [self._shared], self._leave_late)
 
     def start(self) -> None:
         if self._running:
             return
-        self._clock.restart()
         _switching.begin()
         self._watchdog.start()
+        self._monitor.start()
+        own = []
+        for context, task in list(self._tasks.items()):
+            if context.has_own_thread:
+                own.append(self._new_runner(context))
+                own[-1].add(task, 0)
+            else:
+                self._shared.add(task, 0)
+        self._clock.restart()
         self._running = True
-        for context in list(self._contexts):
-            self._begin(context)
+        self._shared.start()
+        for runner in own:
+            runner.start()
         for begin in self._delayed:
             begin()
         self._delayed.clear()
@@ -249,27 +154,23 @@ class RealTimeScheduler:
         return None
 
     def drive(self, publisher: Publisher[Any], writer: Component) -> Action:
-        key = id(publisher)
+        close: Callable[[], object] = _nothing
 
         def begin() -> None:
+            nonlocal close
             if publisher.subscription is Subscription.PERIODIC:
                 period = period_of(publisher.rate)
-                thread = PeriodicThread(
-                    "rtgen publisher",
-                    period,
-                    publisher.publish,
-                    self._clock,
-                    _ignore,
-                    self.end_run,
-                ).start()
-                self._closers[key] = thread.stop
+                runner = Runner("rtgen publisher", self._clock, self, ends_alone=True)
+                runner.add(Task("", period, publisher.publish), self._clock.elapsed())
+                close = runner.start().stop
             else:
-                self._closers[key] = _publish_when_written(publisher)
+                close = _publish_when_written(publisher)
 
         def end() -> None:
             if begin in self._delayed:
                 self._delayed.remove(begin)
-            self._closers.pop(key, _nothing)()
+            step_aside()
+            close()
 
         if self._running:
             begin()
@@ -282,33 +183,66 @@ class RealTimeScheduler:
             self._changed.notify_all()
 
     def started(self, context: ExecutionContext) -> None:
-        self._contexts[context] = None
+        order = self._orders.setdefault(context, len(self._orders))
+
+        def between() -> None:
+            if context.is_running():
+                context.between_ticks()
+
+        def count(overruns: int, cause: str) -> None:
+            context.overruns += overruns
+            context.longest = max(context.longest, task.longest)
+            context.causes[cause] = context.causes.get(cause, 0) + overruns
+
+        # Registered before it starts, because its first tick may stop it.
+        task = self._tasks[context] = Task(
+            _name(context),
+            context.period,
+            context.cycle,
+            order=order,
+            between=between,
+            overrun=count,
+        )
         if self._running:
-            self._begin(context)
+            due = begin_of(task.period, self._clock.elapsed())
+            with self._moving:
+                if context.has_own_thread:
+                    runner = self._new_runner(context)
+                    runner.add(task, due)
+                    runner.start()
+                else:
+                    self._shared.add(task, due)
 
     def stopped(self, context: ExecutionContext) -> bool:
-        thread = self._contexts.pop(context, None)
-        if thread is None or thread.stop():
+        task = self._tasks.pop(context, None)
+        if task is None or task.runner is None:
+            return True
+        runner = task.runner
+        if runner.remove(task):
             return True
         for call in calls_under_way():
-            if call.thread == thread.ident:
+            if call.thread == runner.ident:
                 _report_blocked(context.participants, call)
         return False
 
     def rate_changed(self, context: ExecutionContext) -> None:
-        thread = self._contexts.get(context)
-        if thread is not None:
-            thread.set_period(context.period)
+        task = self._tasks.get(context)
+        if task is None:
+            return
+        if task.runner is None:
+            task.period = context.period
+        else:
+            task.runner.set_period(task, context.period)
 
     def cycle_changed(self, context: ExecutionContext) -> None:
-        thread = self._contexts.get(context)
-        if thread is not None:
-            thread.action = context.cycle
+        task = self._tasks.get(context)
+        if task is not None:
+            task.action = context.cycle
 
     def woken(self, context: ExecutionContext) -> None:
-        thread = self._contexts.get(context)
-        if thread is not None:
-            thread.wake(context.between_ticks)
+        task = self._tasks.get(context)
+        if task is not None and task.runner is not None:
+            task.runner.wake(task)
 
     def end_run(self, error: BaseException) -> None:
         with self._changed:
@@ -338,36 +272,91 @@ class RealTimeScheduler:
                 self._changed.wait(max(0, min(ends) - self._clock.elapsed()) / SECOND)
 
     def halt(self, end_calls: Action) -> None:
-        threads = [thread for thread in self._contexts.values() if thread is not None]
-        for thread in threads:
-            thread.halt()
-        for thread in threads:
-            thread.stop(end_calls)
+        with self._moving:
+            runners = list(self._runners)
+        for runner in runners:
+            runner.halt()
+        for runner in runners:
+            runner.stop(end_calls)
 
     def close(self) -> None:
-        for context in list(self._contexts):
+        for context in list(self._tasks):
             self.stopped(context)
-        self._watchdog.stop()
+        with self._moving:
+            runners = list(self._runners)
+        for runner in runners:
+            runner.stop()
         if self._running and not self._closed:
+            self._monitor.stop()
             _switching.end()
+        self._watchdog.stop()
         self._closed = True
 
-    def _begin(self, context: ExecutionContext) -> None:
-        def count(overruns: int) -> None:
-            context.overruns += overruns
-            context.longest = thread.longest
+    # For runners
 
-        owner = context.owner.instance_name if context.owner else "shared"
-        # Registered before it starts, because its first tick may stop it.
-        thread = self._contexts[context] = PeriodicThread(
-            f"rtgen {owner}",
-            context.period,
-            context.cycle,
-            self._clock,
-            count,
-            self.end_run,
+    def leave(self, runner: Runner, busy: Busy) -> None:
+        """Let another thread go on with the other contexts of a runner."""
+        self._hand_over(runner, busy)
+
+    def take_back(self, task: Task, due: int) -> None:
+        """Let a context go on in the thread of the others."""
+        with self._moving:
+            self._shared.add(task, due)
+
+    def separate(self, task: Task, due: int) -> None:
+        """Let a context go on in a thread of its own."""
+        context = self._context_of(task)
+        if context is None:
+            return
+        context.has_own_thread = True
+        runner = self._new_runner(context)
+        runner.add(task, due)
+        runner.start()
+        log.log(
+            NOTE,
+            "%s has a thread of its own from now on: its ticks kept others from theirs",
+            task.name,
         )
-        thread.start()
+
+    def _leave_late(self, runner: Runner, busy: Busy) -> None:
+        call = call_in_thread(runner.ident or 0)
+        if self._hand_over(runner, busy, call) and call is not None:
+            what = (
+                "%s has a thread of its own %s: %s (%s, line %d) keeps others waiting"
+            )
+            is_periodic = call.callback in _PERIODIC
+            how_long = "from now on" if is_periodic else "for this call"
+            place = call.callback, shown(call.file), call.line
+            level = NOTE if is_periodic else logging.INFO
+            log.log(level, what, busy.task.name, how_long, *place)
+
+    def _hand_over(self, runner: Runner, busy: Busy, call: Call | None = None) -> bool:
+        call = call or call_in_thread(runner.ident or 0)
+        is_once = call is not None and call.callback not in _PERIODIC
+        with self._moving:
+            name = f"rtgen {busy.task.name}"
+            new = runner.hand_over(busy, name, once=is_once)
+            if new is None:
+                return False
+            self._keep(new)
+            self._shared = new
+        context = self._context_of(busy.task)
+        if context is not None and not is_once:
+            context.has_own_thread = True
+        return True
+
+    def _context_of(self, task: Task) -> ExecutionContext | None:
+        contexts = (c for c, t in list(self._tasks.items()) if t is task)
+        return next(contexts, None)
+
+    def _new_runner(self, context: ExecutionContext) -> Runner:
+        name = f"rtgen {_name(context)}"
+        runner = Runner(name, self._clock, self, ends_alone=True)
+        self._keep(runner)
+        return runner
+
+    def _keep(self, runner: Runner) -> None:
+        self._runners = [*(r for r in self._runners if not r.has_ended), runner]
 
     def _raise_end(self) -> None:
         error, self._end = self._end, None
@@ -381,6 +370,10 @@ class RealTimeScheduler:
                     return
                 action = heappop(self._timeline)[2]
             action()
+
+
+def _name(context: ExecutionContext) -> str:
+    return context.owner.instance_name if context.owner else "shared"
 
 
 def _publish_when_written(publisher: Publisher[Any]) -> Action:
@@ -402,10 +395,6 @@ def _report_blocked(participants: Sequence[Participant], call: Call) -> None:
             participant.component._failed(call.callback, str(error), error)
         else:
             participant.component._failed(call.callback, f"waits for {call}", error)
-
-
-def _ignore(overruns: int) -> None:
-    return None
 
 
 def _nothing() -> None:

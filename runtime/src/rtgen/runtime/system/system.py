@@ -7,6 +7,7 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
+from rtgen.facts.threads import Threads
 from rtgen.facts.value_checks import PERIOD, CheckValues
 from rtgen.runtime.closable import Closable
 from rtgen.runtime.errors import (
@@ -63,7 +64,8 @@ class System(Closable):
 
     In simulated time everything is executed in `run`, in one thread, in order of time; at the same
     time the timeline comes first, then periodic connections, then components in the order in which
-    they were added. In real time each component has a thread from the first `run` on.
+    they were added. In real time they tick from the first `run` on, in one thread, except those
+    that block: they have threads of their own from then on; with `threads` "own" all have.
 
     Requests (activation and so on) return immediately and are executed at the component's next
     tick. A system is a context manager, which closes it.
@@ -87,6 +89,7 @@ class System(Closable):
         transport: Transport | None = None,
         checkpoints: CheckpointFolder | None = None,
         check_values: CheckValues | str = CheckValues.FIRST,
+        threads: Threads | str = Threads.SHARED,
     ) -> None:
         self.clock: Clock = clock or SimulatedClock()
         self._transport = transport
@@ -103,6 +106,7 @@ class System(Closable):
         self._dependencies = Dependencies(self._participants, self._connectors)
         self._observation = Observation(self.clock.elapsed, self.end_run)
         self._check = CheckValues(check_values)
+        self._threads = Threads(threads)
         if self._check is CheckValues.FIRST:
             self._scheduler.between_instants(PERIOD, self._check_next_values)
         self.on_failure: Callable[[Failure], None] = log_failure
@@ -113,11 +117,15 @@ class System(Closable):
     # Components.
 
     def add(
-        self, component: Component, rate_hz: float | None = None
+        self,
+        component: Component,
+        rate_hz: float | None = None,
+        threads: Threads | str | None = None,
     ) -> ExecutionContext:
         """Initialize a component and give it a running context of its own.
 
-        The rate is `rate_hz`, else that of its `.conf` file, else that of its profile. Raises
+        The rate is `rate_hz`, else that of its `.conf` file, else that of its profile; the thread
+        is that of `threads`, else of the `.conf` file, else of the system. Raises
         DuplicateInstanceError, RateError, CheckpointError, or InitializationError if
         `on_initialize` failed; its cause is the exception, which is not reported otherwise.
         """
@@ -126,8 +134,13 @@ class System(Closable):
             raise DuplicateInstanceError(f"the system has a component {name!r} already")
         rates = (rate_hz, component.configuration_sets.rate, component.profile.rate)
         rate = next(rate for rate in rates if rate is not None)
+        threads = threads or component.configuration_sets.threads or self._threads
         context = ExecutionContext(
-            rate, owner=component, driver=self._scheduler, listener=self._state_changed
+            rate,
+            owner=component,
+            driver=self._scheduler,
+            listener=self._state_changed,
+            has_own_thread=Threads(threads) is Threads.OWN,
         )
         component._join(self.clock)
         component._check_values(self._check)
@@ -166,7 +179,11 @@ class System(Closable):
         RateError.
         """
         return ExecutionContext(
-            rate_hz, kind=kind, driver=self._scheduler, listener=self._state_changed
+            rate_hz,
+            kind=kind,
+            driver=self._scheduler,
+            listener=self._state_changed,
+            has_own_thread=self._threads is Threads.OWN,
         )
 
     def remove(self, instance: str) -> None:

@@ -85,6 +85,13 @@ def calls_under_way() -> list[Call]:
         ]
 
 
+def call_in_thread(thread: int) -> Call | None:
+    """Return the call of a component's code in a thread, by its identifier."""
+    with _without_collection():
+        frame = sys._current_frames().get(thread)
+        return None if frame is None else _call_in(thread, frame)
+
+
 @contextmanager
 def _without_collection() -> Iterator[None]:
     """Do not collect garbage while frames of other threads are read, in CPython 3.11.

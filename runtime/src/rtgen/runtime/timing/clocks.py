@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import threading
 import time
 from abc import ABC, abstractmethod
 from functools import cached_property
 
-from rtgen.runtime.timing.guards import SINGLE_THREAD, Guard
+from rtgen.runtime.timing.guards import SINGLE_THREAD, Guard, ThreadsGuard
 from rtgen.runtime.timing.instants import Instants
 from rtgen.runtime.timing.simulated_network import SimulatedNetwork
 from rtgen.runtime.timing.traffic import Traffic
@@ -89,4 +88,4 @@ class RealClock(Clock):
         return time.monotonic_ns() - self._start
 
     def guard(self) -> Guard:
-        return threading.Condition()
+        return ThreadsGuard()

@@ -2,9 +2,14 @@
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from types import TracebackType
-from typing import Protocol
+from typing import Protocol, TypeVar
+
+from rtgen.runtime.timing.stepping_aside import step_aside
+
+T = TypeVar("T")
 
 
 class Guard(Protocol):
@@ -26,6 +31,21 @@ class Guard(Protocol):
         """Wait until the predicate holds, at most `timeout` seconds; return whether it holds."""
 
     def notify_all(self) -> None: ...
+
+
+class ThreadsGuard(threading.Condition):
+    """A guard for several threads. It costs little while none waits."""
+
+    def wait_for(self, predicate: Callable[[], T], timeout: float | None = None) -> T:
+        result = predicate()
+        if result:
+            return result
+        step_aside()
+        return super().wait_for(predicate, timeout)
+
+    def notify_all(self) -> None:
+        if self._waiters:  # type: ignore[attr-defined]
+            super().notify_all()
 
 
 class SingleThread:

@@ -16,6 +16,7 @@ from rtgen.runtime.canopen.bus.shared_link import AttachedStation, SharedLink
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import SECOND, Frame
 from rtgen.runtime.failures import log
+from rtgen.runtime.timing.stepping_aside import step_aside
 
 _QUEUE: Final = 4096
 """Capacity of the transmit queue in frames."""
@@ -112,6 +113,7 @@ class RealLink(SharedLink):
         """See `Link`."""
         if threading.current_thread() in self._threads:
             raise RuntimeError("a station must not wait for its link")
+        step_aside()
         end = self.now() + timeout
         with self._news:
             self._waiters += 1
