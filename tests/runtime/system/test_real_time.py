@@ -427,7 +427,7 @@ def test_a_tick_that_waits_for_another_component_does_not_stop_it(
     ticked, came = threading.Event(), threading.Event()
 
     def wait() -> None:
-        if not came.is_set() and ticked.wait(WAIT):
+        if not came.is_set() and ticked.wait(PATIENCE):
             came.set()
 
     activated(system, Actor("a", wait), Actor("b", lambda: None))
@@ -492,7 +492,7 @@ def test_a_callback_that_waits_once_does_not_keep_its_thread(system: System) -> 
 
     class Slow(Actor):
         def on_activated(self, ec_id: int) -> ReturnCode_t:
-            ticked.wait(WAIT)
+            ticked.wait(PATIENCE)
             return RTC_OK
 
     activated(system, Slow("a"))
