@@ -69,7 +69,8 @@ def _methods(tree: ast.Module, package: str) -> Iterator[ast.FunctionDef]:
 
 def _of_method(method: ast.FunctionDef, file: str, text: str) -> Iterator[Diagnostic]:
     if method.name in _CALLBACKS:
-        place = _without_answer(method)
+        lines = text.split("\n")[method.lineno - 1 : method.end_lineno]
+        place = _without_answer(method, any("yield" in line for line in lines))
         if place is not None:
             yield NO_ANSWER.at(
                 Span(file, *place),
@@ -102,12 +103,13 @@ def _place_of_name(method: ast.FunctionDef) -> tuple[int, int, int, int]:
     return method.lineno, start, method.lineno, start + len(method.name)
 
 
-def _without_answer(method: ast.FunctionDef) -> tuple[int, int, int, int] | None:
+def _without_answer(
+    method: ast.FunctionDef, may_yield: bool
+) -> tuple[int, int, int, int] | None:
     """Return the place where a callback can end without a value; None if it cannot, or is unclear.
 
     Unclear are decorated callbacks, generators, and stubs of three dots.
     """
-    nodes = [*_own_nodes(method.body)]
     is_stub = any(
         isinstance(each, ast.Expr)
         and isinstance(each.value, ast.Constant)
@@ -116,9 +118,10 @@ def _without_answer(method: ast.FunctionDef) -> tuple[int, int, int, int] | None
     )
     if method.decorator_list or is_stub:
         return None
-    if any(isinstance(each, ast.Yield | ast.YieldFrom) for each in nodes):
+    yields = ast.Yield | ast.YieldFrom
+    if may_yield and any(isinstance(n, yields) for n in _own_nodes(method.body)):
         return None
-    for each in nodes:
+    for each in _own_statements(method.body):
         match each:
             case ast.Return(value=None | ast.Constant(value=None)):
                 end = each.end_col_offset or each.col_offset
@@ -134,6 +137,15 @@ def _own_nodes(body: Iterable[ast.AST]) -> Iterator[ast.AST]:
             node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef | ast.Lambda
         ):
             yield from _own_nodes(ast.iter_child_nodes(node))
+
+
+def _own_statements(body: Iterable[ast.AST]) -> Iterator[ast.AST]:
+    """Yield the statements of a function in order, without those of functions in it."""
+    for node in body:
+        yield node
+        if not isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef | ast.ClassDef):
+            for field in ("body", "handlers", "orelse", "finalbody", "cases"):
+                yield from _own_statements(getattr(node, field, ()))
 
 
 def _leaves(body: Iterable[ast.stmt]) -> bool:

@@ -9,12 +9,14 @@ from __future__ import annotations
 import ast
 import re
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Collection, Iterable, Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cache, cached_property
 from importlib import import_module
 from inspect import getsource
 from typing import TypeAlias
+
+from rtgen.compiler.typemap.components.names import COMPONENT_NAMES
 
 _OWN = "rtgen."
 _WITHOUT_NAMES = ("typing", "typing_extensions", "abc")
@@ -26,6 +28,15 @@ _INDENTED_IMPORT = re.compile(
 )
 _DYNAMIC = frozenset({"__getattr__", "__getattribute__", "__dict__"})
 """Names of a class that may have further ones."""
+_OF_COMPONENTS = COMPONENT_NAMES - {"config"}
+PUBLIC = {
+    ("rtgen.runtime", "Component"): _OF_COMPONENTS,
+    ("rtgen.runtime.canopen.node.device", "CanopenDevice"): {
+        *_OF_COMPONENTS,
+        *("bus_lock", "get_object", "node", "set_object"),
+    },
+}
+"""Names of the runtime's classes that most behaviours use, known without importing them."""
 
 _Function: TypeAlias = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -95,6 +106,7 @@ class Modules:
         self._users = users
         self._modules: dict[str, Module | None] = {}
         self._trees: dict[str, ast.Module] = {}
+        self._ancestors: dict[tuple[str, str], list[Class | RuntimeClass] | None] = {}
         self._names: dict[tuple[str, str], frozenset[str] | None] = {}
         self._own: dict[tuple[str, str], frozenset[str] | None] = {}
         self._nodes: dict[ast.AST, list[ast.AST]] = {}
@@ -189,6 +201,12 @@ class Modules:
 
     def ancestors(self, start: Class) -> list[Class | RuntimeClass] | None:
         """Return a class and all its bases; None if one of them is not known."""
+        key = (start.module.name, start.node.name)
+        if key not in self._ancestors:
+            self._ancestors[key] = self._bases_of(start)
+        return self._ancestors[key]
+
+    def _bases_of(self, start: Class) -> list[Class | RuntimeClass] | None:
         result: list[Class | RuntimeClass] = []
         waiting: list[Class | RuntimeClass] = [start]
         while waiting:
@@ -203,6 +221,23 @@ class Modules:
                         return None
                     waiting.append(found)
         return result
+
+    def has(self, class_: Class, name: str) -> bool | None:
+        """Return whether a class or a base has a name; None if not all names are known.
+
+        The runtime is imported only for a name that generated and public ones do not tell.
+        """
+        bases = reversed(self.ancestors(class_) or ())
+        if any(name in self._written(each) for each in bases):
+            return True
+        names = self.names(class_)
+        return None if names is None else name in names
+
+    def _written(self, class_: Class | RuntimeClass) -> Collection[str]:
+        """Return the names of a class that are known without importing it."""
+        if isinstance(class_, RuntimeClass):
+            return PUBLIC.get((class_.module, class_.name), ())
+        return self.own_names(class_) or ()
 
     def names(self, start: Class) -> frozenset[str] | None:
         """Return the names of a class and its bases; None if they are not all known."""
@@ -248,13 +283,20 @@ def walk(node: ast.AST) -> list[ast.AST]:
     """Return a node and those below it but contexts, in two thirds of the time of `ast.walk`."""
     nodes = [node]
     for each in nodes:
-        for name in each._fields:
-            if name != "ctx":
-                value = getattr(each, name, None)
-                if isinstance(value, ast.AST):
-                    nodes.append(value)
-                elif isinstance(value, list):
-                    nodes += [item for item in value if isinstance(item, ast.AST)]
+        nodes += children(each)
+    return nodes
+
+
+def children(node: ast.AST) -> list[ast.AST]:
+    """Return the nodes directly below a node but its context."""
+    nodes: list[ast.AST] = []
+    for name in node._fields:
+        if name != "ctx":
+            value = getattr(node, name, None)
+            if isinstance(value, ast.AST):
+                nodes.append(value)
+            elif isinstance(value, list):
+                nodes += [item for item in value if isinstance(item, ast.AST)]
     return nodes
 
 
@@ -270,8 +312,8 @@ def bound(body: list[ast.stmt]) -> Iterator[str]:
                 yield node.id
         elif isinstance(node, ast.alias):
             yield (node.asname or node.name).partition(".")[0]
-        else:
-            waiting += ast.iter_child_nodes(node)
+        elif not isinstance(node, ast.Constant):
+            waiting += children(node)
 
 
 def _assigned(nodes: Iterable[ast.AST]) -> Iterator[str]:

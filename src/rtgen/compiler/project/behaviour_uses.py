@@ -36,7 +36,14 @@ _SET = re.compile(r"\bself\.(\w+)\s*(?::[^=\n]*)?=[^=]")
 _ALIAS = re.compile(
     r"\b(\w+)\s*=\s*\(*\s*self((?:[\s\\]*\.[\s\\]*\w+)+)\s*\)*[ \t]*(?=$|[;#])", re.M
 )
-_OF_PORTS = ("is_new", "read", "read_newest", "write")
+_CHAIN = re.compile(r"\b(\w+)((?:[\s\\]*\.[\s\\]*\w+)+)")
+_USED = {
+    "inport": ("is_new", "read", "read_newest"),
+    "outport": ("write",),
+    "provider": ("set_servant",),
+    "consumer": ("object",),
+}
+"""What most behaviours use of ports, which is known without importing their classes."""
 
 
 def module_of(project: Project, file: str) -> str:
@@ -184,8 +191,9 @@ def _of_classes(
             for statement in node.body
             if isinstance(statement, ast.FunctionDef | ast.AsyncFunctionDef)
         ]
-        if ".stamp(" in text:
-            for statement, name in methods:
+        for statement, name in methods if ".stamp(" in text else ():
+            own = lines[statement.lineno - 1 : statement.end_lineno]
+            if any(".stamp(" in line for line in own):
                 yield from behaviour.stamps(statement, name)
         if {name for _, name in methods} <= {"self", None} and behaviour.is_plain(text):
             continue
@@ -250,32 +258,45 @@ class _Behaviour:
         unused = [name for name in self._declared if name not in used | {"config"}]
         return unused[0] if len(unused) == 1 else None
 
-    @cached_property
-    def _names(self) -> frozenset[str] | None:
-        return self._modules.names(self._class)
-
     def is_plain(self, text: str) -> bool:
         """Return whether each name that the text of the class uses is known, without its tree."""
-        bases = [self._modules.own_names(each) for each in self._ancestors[1:]]
-        known = {*self._own, *bound(self._class.node.body)}.union(*filter(None, bases))
-        if None in bases:
-            return False
-        paths: dict[str, tuple[str, ...]] = {"self": ()}
+        aliases: dict[str, tuple[str, ...]] = {"self": ()}
         for name, path in _ALIAS.findall(text):
-            if paths.setdefault(name, _parts(path)) != _parts(path):
+            if aliases.setdefault(name, _parts(path)) != _parts(path):
                 return False
         return all(
-            self._is_known((*prefix, *_parts(match[1])), known)
-            for name, prefix in paths.items()
-            for match in re.finditer(rf"\b{name}((?:[\s\\]*\.[\s\\]*\w+)+)", text)
+            self._is_known((*aliases[name], *_parts(path)))
+            for name, path in {*_CHAIN.findall(text)}
+            if name in aliases
         )
 
-    def _is_known(self, path: Sequence[str], known: set[str]) -> bool:
+    @cached_property
+    def _bound(self) -> set[str]:
+        return self._own.union(bound(self._class.node.body))
+
+    def _has(self, name: str) -> bool:
+        """Return whether the class may have an attribute."""
+        return name in self._bound or self._modules.has(self._class, name) is not False
+
+    def _is_known(self, path: Sequence[str]) -> bool:
+        if not self._has(path[0]):
+            return False
         kind, type_ = self._declared.get(path[0], ("", None))
-        members = [self._members(kind, type_, path[1:n])[0] for n in (2, 3)]
-        return path[0] in known and all(
-            names is None or len(path) < n or path[n - 1] in names
-            for n, names in enumerate(members, 2)
+        used = _USED.get(kind, ())
+        if path[1:2] and path[1] in used and (len(path) == 2 or kind != "consumer"):
+            return True
+        if isinstance(type_, Class) and (
+            (kind == "configuration" and len(path) == 2)
+            or (kind == "consumer" and len(path) > 2 and path[1] in used)
+        ):
+            return self._modules.has(type_, path[1 + (kind == "consumer")]) is not False
+        members = [
+            self._members(kind, type_, path[1:n])[0]
+            for n in range(2, min(len(path), 3) + 1)
+        ]
+        return all(
+            names is None or name in names
+            for names, name in zip(members, path[1:], strict=False)
         )
 
     def _declarations(
@@ -311,7 +332,10 @@ class _Behaviour:
         """Yield the samples that a method stamps, whose types have no member for it."""
         values: dict[str, list[ast.expr | None]] = {}
         calls = []
+        relevant = ast.Assign | ast.Name | ast.Call
         for node in self._modules.nodes(method):
+            if not isinstance(node, relevant):
+                continue
             match node:
                 case ast.Assign(targets=[ast.Name(id=name)], value=value):
                     values.setdefault(name, []).append(value)
@@ -334,13 +358,15 @@ class _Behaviour:
             if not isinstance(made, ast.Call):
                 continue
             type_ = self._modules.resolve(self._class.module, made.func)
-            if isinstance(type_, Class) and type_.module.is_generated:
-                names = self._modules.names(type_)
-                if names is not None and "tm" not in names:
-                    place = ast.unparse(sample).partition("(")[0]
-                    use = _Use(sample, place, f"{type_.node.name} has no 'tm' to stamp")
-                    use.hint = "declare `RTC::Time tm;` in it, or do not stamp it"
-                    yield use
+            if (
+                isinstance(type_, Class)
+                and type_.module.is_generated
+                and self._modules.has(type_, "tm") is False
+            ):
+                place = ast.unparse(sample).partition("(")[0]
+                use = _Use(sample, place, f"{type_.node.name} has no 'tm' to stamp")
+                use.hint = "declare `RTC::Time tm;` in it, or do not stamp it"
+                yield use
 
     def _checked(
         self, node: ast.Attribute, path: Sequence[str], further: str
@@ -348,15 +374,15 @@ class _Behaviour:
         """Yield the use of a name that is not there; `further` is the name after it, if any."""
         first = path[0]
         if len(path) == 1:
-            if self._names is None or first in self._names or first.startswith("__"):
+            if first.startswith("__") or self._has(first):
                 return
             if isinstance(node.ctx, ast.Load):
                 message = (
                     f"the definition has no port {first!r}"
-                    if further in _OF_PORTS
+                    if further in (*_USED["inport"], *_USED["outport"])
                     else f"neither the definition nor the class has {first!r}"
                 )
-                candidates = self._declared or self._names
+                candidates = self._declared or self._modules.names(self._class) or ()
                 owner = f"{self._component}."
                 yield _Use(node, first, message, candidates, owner, self._unused)
             return

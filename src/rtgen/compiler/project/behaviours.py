@@ -36,6 +36,8 @@ RULES = (
 )
 """The rules of behaviours."""
 
+_CLASS = re.compile(r"^class (\w+)", re.M)
+
 
 def check(project: Project, run: Compilation) -> list[Diagnostic]:
     """Return diagnostics for the modules in the folders of skeletons.
@@ -146,8 +148,7 @@ class Behaviours:
             for module in used.keys() - self._bases.keys():
                 yield LEFTOVER_SKELETON.at(
                     _span(file, text, used[module].start(1), used[module].end(1)),
-                    "no definition has the component of"
-                    f" {project.package}.components.{module}",
+                    f"no definition has the component of {project.package}.components.{module}",
                     hint=self._renamed(module),
                 )
             yield from uses.findings(project, known, file, text)
@@ -170,7 +171,7 @@ class Behaviours:
                     hint="rtgen generate creates its skeleton",
                 )
                 continue
-            if re.search(rf"^class {name}\b", self._texts[shown(file)], re.M):
+            if name in _CLASS.findall(self._texts[shown(file)]):
                 continue
             module = uses.module_of(self._project, shown(file))
             names = known.bound_in(module)
@@ -227,8 +228,7 @@ def calls(project: Project) -> Callable[[str, str], bool] | None:
         if not texts:
             texts.extend(_texts(project, ()).values())
         return any(
-            re.search(rf"^class {type_name}\b", text, re.M)
-            and re.search(rf"\.{port}\b", text)
+            type_name in _CLASS.findall(text) and re.search(rf"\.{port}\b", text)
             for text in texts
         )
 
