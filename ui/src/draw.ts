@@ -5,14 +5,26 @@ import { placed } from "./figures.ts";
 
 export interface Layer {
   name: string;
+  /** Short name, beside the mark of a pose. */
+  label: string;
   colour: string;
-  poses: Pose[];
-  /** Whether the poses are a trail, which ends at the current pose. */
-  trail: boolean;
+  /** A body has a trail, a goal has none. */
+  kind: "body" | "goal" | "path" | "scan" | "grid";
+  pose: Pose | undefined;
+  trail: readonly Pose[][];
+  path: Pose[];
   points: Pose[];
   /** The pose around which the points are drawn. */
   frame: string;
+  /** That pose, from which rays are drawn. */
+  eye: Pose | undefined;
   grid: Grid | undefined;
+}
+
+/** What is measured on a map: from one point to another. */
+export interface Measured {
+  from: Pose;
+  to: Pose;
 }
 
 /** The visible part of the world: centre [m] and scale [px/m]. */
@@ -25,7 +37,10 @@ export interface View {
 const MARGIN = 1.25;
 /** Minimum size of the visible part [m]. */
 const SMALLEST = 2;
-const ARROW = 14;
+/** Size of the mark of a body [px]. */
+const BODY = 9;
+/** Space for the label of a mark [px]. */
+const LABEL = { width: 90, height: 12 };
 
 function extent(layers: readonly Layer[]): [number, number, number, number] {
   let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
@@ -34,7 +49,9 @@ function extent(layers: readonly Layer[]): [number, number, number, number] {
     [left, right, low, high] = [Math.min(left, x), Math.max(right, x), Math.min(low, y), Math.max(high, y)];
   };
   for (const layer of layers) {
-    layer.poses.forEach(include);
+    if (layer.pose) include(layer.pose);
+    layer.trail.flat().forEach(include);
+    layer.path.forEach(include);
     layer.points.forEach(include);
     if (layer.grid) corners(layer.grid).forEach(include);
   }
@@ -82,34 +99,88 @@ function picture(grid: Grid): HTMLCanvasElement {
   return made;
 }
 
-/** Draws layers; sizes are those of the canvas in CSS pixels. */
-export function draw(canvas: HTMLCanvasElement, layers: readonly Layer[], view: View): void {
+/** Draws layers, and what is measured; sizes are those of the canvas in CSS pixels. */
+export function draw(canvas: HTMLCanvasElement, layers: readonly Layer[], view: View, measured: Measured | undefined, cross: boolean): void {
   const [width, height] = [canvas.clientWidth, canvas.clientHeight];
   const ratio = window.devicePixelRatio;
   if (canvas.width !== Math.round(width * ratio) || canvas.height !== Math.round(height * ratio))
     [canvas.width, canvas.height] = [Math.round(width * ratio), Math.round(height * ratio)];
   const context = canvas.getContext("2d")!;
-  const text = getComputedStyle(canvas).color;
+  const { color: text, backgroundColor: paper } = getComputedStyle(canvas);
   context.setTransform(ratio, 0, 0, ratio, 0, 0);
   context.clearRect(0, 0, width, height);
   const across = (x: number) => width / 2 + (x - view.x) * view.scale;
   const down = (y: number) => height / 2 - (y - view.y) * view.scale;
+  const line = (poses: readonly Pose[], dash: number[]) => {
+    context.setLineDash(dash);
+    context.beginPath();
+    for (const { x, y } of poses) context.lineTo(across(x), down(y));
+    context.stroke();
+    context.setLineDash([]);
+  };
   for (const { grid } of layers) if (grid) drawGrid(context, grid, view, width, height);
   const step = round(110 / view.scale);
   drawLines(context, view, width, height, step);
-  for (const layer of layers) {
-    context.strokeStyle = context.fillStyle = layer.colour;
-    for (const { x, y } of layer.points) context.fillRect(across(x) - 1.5, down(y) - 1.5, 3, 3);
+  for (const { colour, points, eye } of layers) {
+    context.fillStyle = context.strokeStyle = colour;
+    if (eye) {
+      context.globalAlpha = 0.12;
+      context.beginPath();
+      for (const { x, y } of points) {
+        context.moveTo(across(eye.x), down(eye.y));
+        context.lineTo(across(x), down(y));
+      }
+      context.lineWidth = 1;
+      context.stroke();
+      context.globalAlpha = 1;
+    }
+    for (const { x, y } of points) context.fillRect(across(x) - 1.5, down(y) - 1.5, 3, 3);
+  }
+  for (const { colour, trail, path } of layers) {
+    context.strokeStyle = context.fillStyle = colour;
     context.lineWidth = 2;
-    context.setLineDash(layer.trail ? [] : [6, 4]);
-    context.beginPath();
-    for (const { x, y } of layer.poses) context.lineTo(across(x), down(y));
-    context.stroke();
-    context.setLineDash([]);
-    const last = layer.poses.at(-1);
-    if (last) drawArrow(context, across(last.x), down(last.y), last.heading, text);
+    for (const part of trail) line(part, []);
+    line(path, [6, 4]);
+    for (const { x, y } of path.length <= MOST_MARKS ? path : []) context.fillRect(across(x) - 2, down(y) - 2, 4, 4);
+  }
+  const labels: { x: number; y: number }[] = [];
+  for (const { kind, colour, pose, path, label } of layers) {
+    const at = pose ?? path.at(-1);
+    if (!at) continue;
+    const [x, y] = [across(at.x), down(at.y)];
+    context.fillStyle = context.strokeStyle = colour;
+    if (kind === "body") drawBody(context, x, y, at.heading, text);
+    else drawGoal(context, x, y, at.heading);
+    const spot = { x: x + BODY + 5, y: y - BODY };
+    while (labels.some((each) => Math.abs(each.x - spot.x) < LABEL.width && Math.abs(each.y - spot.y) < LABEL.height)) spot.y += LABEL.height;
+    labels.push(spot);
+    drawLabel(context, spot.x, spot.y, label, text, paper);
+  }
+  if (cross) line([{ x: view.x - 8 / view.scale, y: view.y, heading: 0 }, { x: view.x + 8 / view.scale, y: view.y, heading: 0 }], []);
+  if (cross) line([{ x: view.x, y: view.y - 8 / view.scale, heading: 0 }, { x: view.x, y: view.y + 8 / view.scale, heading: 0 }], []);
+  if (measured) {
+    context.strokeStyle = context.fillStyle = text;
+    context.lineWidth = 1.5;
+    line([measured.from, measured.to], [3, 3]);
+    for (const { x, y } of [measured.from, measured.to]) context.fillRect(across(x) - 2.5, down(y) - 2.5, 5, 5);
+    drawLabel(context, across(measured.to.x) + 8, down(measured.to.y) + 4, distance(measured), text, paper);
   }
   drawScale(context, view, height, step, text);
+}
+
+/** Paths with more poses are drawn without a mark at each. */
+const MOST_MARKS = 40;
+
+export const distance = ({ from, to }: Measured): string => `${Math.hypot(to.x - from.x, to.y - from.y).toFixed(3)} m`;
+
+function drawLabel(context: CanvasRenderingContext2D, x: number, y: number, label: string, text: string, paper: string): void {
+  context.font = "11px system-ui, sans-serif";
+  context.lineWidth = 3;
+  context.lineJoin = "round";
+  context.strokeStyle = paper;
+  context.strokeText(label, x, y);
+  context.fillStyle = text;
+  context.fillText(label, x, y);
 }
 
 function drawGrid(context: CanvasRenderingContext2D, grid: Grid, view: View, width: number, height: number): void {
@@ -142,22 +213,40 @@ function drawLines(context: CanvasRenderingContext2D, view: View, width: number,
   context.stroke();
 }
 
-function drawArrow(context: CanvasRenderingContext2D, x: number, y: number, heading: number, text: string): void {
+/** A disc with a nose in the direction of its heading. */
+function drawBody(context: CanvasRenderingContext2D, x: number, y: number, heading: number, text: string): void {
   context.save();
   context.translate(x, y);
   context.beginPath();
-  if (Number.isNaN(heading)) context.arc(0, 0, ARROW / 3, 0, 2 * Math.PI);
+  if (Number.isNaN(heading)) context.arc(0, 0, BODY * 0.7, 0, 2 * Math.PI);
   else {
     context.rotate(-heading);
-    context.moveTo(ARROW, 0);
-    context.lineTo(-ARROW * 0.6, ARROW * 0.6);
-    context.lineTo(-ARROW * 0.3, 0);
-    context.lineTo(-ARROW * 0.6, -ARROW * 0.6);
+    context.arc(0, 0, BODY, Math.PI / 5, -Math.PI / 5);
+    context.lineTo(BODY * 1.9, 0);
     context.closePath();
   }
   context.fill();
   context.lineWidth = 1;
   context.strokeStyle = text;
+  context.stroke();
+  context.restore();
+}
+
+/** A ring with a cross, and a line in the direction of its heading. */
+function drawGoal(context: CanvasRenderingContext2D, x: number, y: number, heading: number): void {
+  context.save();
+  context.translate(x, y);
+  context.lineWidth = 2;
+  context.beginPath();
+  context.arc(0, 0, BODY * 0.8, 0, 2 * Math.PI);
+  for (const [dx, dy] of [[1, 0], [0, 1]] as const) {
+    context.moveTo(-BODY * 0.4 * dx, -BODY * 0.4 * dy);
+    context.lineTo(BODY * 0.4 * dx, BODY * 0.4 * dy);
+  }
+  if (!Number.isNaN(heading)) {
+    context.moveTo(BODY * 0.8 * Math.cos(heading), -BODY * 0.8 * Math.sin(heading));
+    context.lineTo(BODY * 2 * Math.cos(heading), -BODY * 2 * Math.sin(heading));
+  }
   context.stroke();
   context.restore();
 }

@@ -19,7 +19,15 @@ BUS = str(ROOT / "specs/canopen/fourx.xml")
 BOARD = str(ROOT / "specs/tecs/rh3_board.xml")
 VIEWS = {
     (RH3, "Odometry0"): (
-        *("Values", "Plots", "Map", "Drive", "Configuration", "Timeline"),
+        *(
+            "Values",
+            "Connections",
+            "Plots",
+            "Map",
+            "Drive",
+            "Configuration",
+            "Timeline",
+        ),
     ),
     (BUS, "RefHardFourX0"): ("Buses",),
     (BOARD, "MotorBoardMarshaller0"): ("Services", "Boards"),
