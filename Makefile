@@ -34,7 +34,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test nightly dear format lint types mypy pyright imports drift pytest waits peers test-openrtm interpreters interpreter interpreted lowest lock licences wheels release ui page pictures fuzz mutants soak bench clean
+.PHONY: demo gallery test nightly dear codecs speed format lint types mypy pyright imports drift pytest waits peers test-openrtm interpreters interpreter interpreted lowest lock licences wheels release ui page pictures fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -59,10 +59,10 @@ test: $(VENV)/uv.stamp
 nightly: export RTGEN_SEED ?= $(shell $(PYTHON) tests/seeds.py)
 nightly: export RTGEN_BUDGET ?= 0.4
 nightly: $(VENV)/uv.stamp
-	$(MAKE) --no-print-directory -j 4 dear interpreters
+	$(MAKE) --no-print-directory -j 4 dear codecs interpreters
 	$(MAKE) --no-print-directory release
 
-CHECKED = src runtime reference tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
+CHECKED = src runtime speed reference tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 
 lint: $(VENV)/test.stamp
 	$(BIN)/python tests/python_form.py $(CHECKED)
@@ -85,15 +85,25 @@ drift: $(VENV)/test.stamp
 
 # Each worker begins with a half of the files, so what tests of a file share is made once.
 # Assertions that show their values take time to be compiled: only what fails has them.
-pytest: $(VENV)/test.stamp page peers
+pytest: $(VENV)/test.stamp page peers speed
 	$(call PYTEST,build/pytest,-m "not waits and not nightly" $(FOLDER))
 
 # Tests that wait for clocks and processes most of their time, and need no processor meanwhile.
 waits: $(VENV)/test.stamp page peers
 	$(if $(WAITING),$(call PYTEST,build/pytest-waits,-m "waits and not nightly" $(WAITING)))
 
-dear: $(VENV)/test.stamp page peers
+dear: $(VENV)/test.stamp page peers speed
 	$(call PYTEST,build/pytest-nightly,-m "nightly or random" $(FOLDER))
+
+# The tests of marshalling once more, with the codecs in C.
+codecs: export RTGEN_CODEC = c
+codecs: export PYTHONPATH = $(CURDIR)/build/speed
+codecs: speed
+	$(call PYTEST,build/pytest-codecs,$(MARSHALLING))
+
+MARSHALLING = tests/compiler/types tests/fuzz/test_doors.py tests/ros2/test_marshaling.py tests/runtime/corba \
+	tests/runtime/system tests/runtime/transports tests/interop/test_cdr_constructs.py \
+	tests/interop/test_cdr_omniorb.py tests/interop/test_random_types_omniorb.py tests/tools/diff
 
 FOLDER = tests$(if $(WING),/$(WING))
 WAITING = $(shell grep -rl --include='*.py' mark.waits $(FOLDER))
@@ -209,6 +219,12 @@ peers: $(VENV)/test.stamp
 	@mkdir -p build
 	@$(BIN)/python tests/ros2_peers.py > build/peers.log 2>&1 || \
 	    { tail -3 build/peers.log; echo "the tests with ROS 2 are skipped"; }
+
+# The codecs in C, of which the tests are skipped where there is no compiler.
+speed: $(VENV)/test.stamp
+	@mkdir -p build
+	@$(BIN)/python tests/speed.py > build/speed.log 2>&1 || \
+	    { tail -3 build/speed.log; echo "the tests of the codecs in C are skipped"; }
 
 # The pictures of docs/ui.md.
 pictures: page

@@ -18,7 +18,7 @@ import page
 
 ROOT = Path(__file__).resolve().parent.parent
 NAME = re.compile(r"[\w.-]+")
-OWN = re.compile(r"rtgen-runtime(?:\[(\w+)\])?==")
+OWN = re.compile(r"rtgen-(?:runtime|speed)(?:\[(\w+)\])?==")
 WORKSHOP = ("test", "check", "bench", "release")
 """The extras of those who change rtgen; users install none of them."""
 

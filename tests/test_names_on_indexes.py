@@ -19,10 +19,11 @@ _COMMAND = re.compile(
 )
 """A command that installs, with its arguments."""
 _NAME = re.compile(
-    r"rtgen(?:[-_.]runtime)?(?:\[[\w, -]*\])?\s*(?:[=<>!~]=?.*)?", re.IGNORECASE
+    r"rtgen(?:[-_.](?:runtime|speed))?(?:\[[\w, -]*\])?\s*(?:[=<>!~]=?.*)?",
+    re.IGNORECASE,
 )
 _REQUIRED = re.compile(
-    r"""["'](rtgen(?:-runtime)?(?:\[[\w, -]*\])?(?:[=<>!~]=?[^"']*)?)["']"""
+    r"""["'](rtgen(?:-runtime|-speed)?(?:\[[\w, -]*\])?(?:[=<>!~]=?[^"']*)?)["']"""
 )
 """A requirement in a list of a TOML, YAML or Python file."""
 _LISTS = re.compile(
@@ -92,6 +93,7 @@ def test_nothing_is_required_by_a_bare_name() -> None:
     "line",
     [
         "pip install rtgen",
+        "pip install rtgen-speed",
         "python -m pip install --upgrade rtgen",
         "pip install 'rtgen[plot]'",
         'pip install "rtgen[plot,can]==0.2.0"',

@@ -26,7 +26,8 @@ EXTRAS: dict[str, list[str]] = PROJECT["optional-dependencies"]
 RUNTIME = tomllib.loads((ROOT / "runtime" / "pyproject.toml").read_text("utf-8"))[
     "project"
 ]
-OWN = {"rtgen", "rtgen-runtime"}
+SPEED = tomllib.loads((ROOT / "speed" / "pyproject.toml").read_text("utf-8"))["project"]
+OWN = {"rtgen", "rtgen-runtime", "rtgen-speed"}
 
 
 def resolved(needs: list[str]) -> list[Requirement]:
@@ -174,8 +175,12 @@ def test_the_workflow_of_a_release_calls_what_there_is() -> None:
     assert [jobs[name].get("needs") for name in ("test", "build", "publish")] == [
         None,
         "test",
-        "build",
+        ["build", "speed"],
     ]
+    [wheels] = (
+        s for s in jobs["speed"]["steps"] if "cibuildwheel" in s.get("uses", "")
+    )
+    assert (ROOT / wheels["with"]["package-dir"] / "pyproject.toml").is_file()
     runs = [
         step["run"] for job in jobs.values() for step in job["steps"] if "run" in step
     ]
@@ -225,10 +230,18 @@ def test_the_two_distributions_are_of_one_version() -> None:
     assert {e for r in own for e in r.extras} == RUNTIME["optional-dependencies"].keys()
 
 
+def test_the_codecs_in_c_are_of_that_version() -> None:
+    assert SPEED["version"] == __version__
+    [needed] = map(Requirement, RUNTIME["optional-dependencies"]["speed"])
+    assert (needed.name, str(needed.specifier)) == (SPEED["name"], f"=={__version__}")
+    assert SPEED["requires-python"] == RUNTIME["requires-python"]
+
+
 def test_all_extras_of_users_are_in_one() -> None:
     [every] = map(Requirement, EXTRAS["all"])
     assert every.name == "rtgen"
-    assert every.extras == EXTRAS.keys() - WORKSHOP - {"all"}
+    needing_a_compiler = {"speed"}
+    assert every.extras == EXTRAS.keys() - WORKSHOP - {"all"} - needing_a_compiler
 
 
 def test_the_changelog_is_short_and_its_links_lead_somewhere() -> None:
