@@ -16,6 +16,7 @@ STANDARD = frozenset(sys.stdlib_module_names) | {
 LIBRARIES = frozenset(
     {
         "rtgen",
+        "rtgen_speed",
         *(
             "PIL",
             "anyio",
