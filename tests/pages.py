@@ -56,7 +56,17 @@ RUN_ELSEWHERE = frozenset({"gallery"})
 """The systems of the gallery, which are run by the tests of the reference build."""
 
 SHOWN_ONLY = frozenset(
-    {"cdl", "dockerfile", "idl", "ini", "jsonl", "text", "typescript", "yaml"}
+    {
+        "cdl",
+        "dockerfile",
+        "idl",
+        "ini",
+        "jsonl",
+        "python2",
+        "text",
+        "typescript",
+        "yaml",
+    }
 )
 _COMMENT = re.compile(r"<!-- page: (.*?) -->", re.DOTALL)
 _VARYING = re.compile(r"^(wall \[s\]|ratio)( +)[\d.]+$", re.MULTILINE)

@@ -22,7 +22,7 @@ from rtgen.tools.kit.exits import OK
     "to",
     type=click.Choice((*OF_COMPONENTS, *OF_SYSTEMS, *OF_BUSES)),
     metavar="FORM",
-    help="idl, rtc-xml, rtc-yaml, rts-xml, rts-yaml, dbc; by default idl or, of a bus, dbc.",
+    help="idl, rtc-xml, rtc-yaml, rts-xml, rts-yaml, dbc; by default the natural other one.",
 )
 @click.option(
     "--component",
@@ -61,5 +61,11 @@ def convert(
     if output is None:
         write_out(result.content)
         return OK
-    console.say(f"{result.write(Path(output)).as_posix()} written")
+    folder = Path(output)
+    console.say(f"{result.write(folder).as_posix()} written")
+    searched = [folder.resolve(), folder.resolve() / "idl"]
+    further = [each for each in result.folders if each.resolve() not in searched]
+    if further:
+        places = " ".join(f"-I {each.as_posix()}" for each in further)
+        console.say(f"to generate from it, name the folder of its includes: {places}")
     return OK

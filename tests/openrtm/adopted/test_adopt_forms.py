@@ -297,6 +297,8 @@ def test_a_base_that_is_not_found_is_named_with_its_file(
     name: str,
 ) -> None:
     file = repository(tmp_path, adding, imports, base)
+    (tmp_path / "spare").mkdir()
+    (tmp_path / "spare/robot_base.py").write_text(BASE)
     monkeypatch.chdir(tmp_path)
     result = python_modules.read(file.relative_to(tmp_path))
     [finding] = result.diagnostics
@@ -311,6 +313,26 @@ def test_a_base_that_is_not_found_is_named_with_its_file(
     assert line[finding.span.column - 1 :].startswith(base)
     found = python_modules.read(file, [tmp_path / "common"])
     assert found.profile is not None
+
+
+@pytest.mark.parametrize("adding", UNKNOWN)
+def test_the_only_file_of_the_repository_with_a_base_is_taken(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, adding: str
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    for number, (imports, base, name) in enumerate(FORMS):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        file = repository(folder, adding, imports, base).relative_to(tmp_path)
+        result = python_modules.read(file)
+        assert result.profile is not None, result.diagnostics
+        assert [port.name for port in result.profile.data_ports] == ["out"]
+        [finding] = result.diagnostics
+        assert finding.code == rules.COMPUTED.code
+        assert finding.message == (
+            f"the folder of {name} is known only when the module runs; "
+            f"{number}/common/robot_base.py is taken"
+        )
 
 
 def test_folders_outside_of_the_repository_are_not_read(tmp_path: Path) -> None:

@@ -79,9 +79,6 @@ def test_a_component_is_no_system(
 ) -> None:
     assert run(["convert", "Gate.py", "--to", "rts-xml"]) == 2
     assert "PRJ0010" in capfd.readouterr().err
-    Path("a.idl").write_text("component A {};\n")
-    assert run(["convert", "a.idl"]) == 2
-    assert "--to is missing: idl, " in capfd.readouterr().err
 
 
 def test_a_recording_is_played(

@@ -37,10 +37,19 @@ def read(path: Path, include: Sequence[Path] = ()) -> ModuleResult:
     if source.tree is None:
         return ModuleResult(None, source.diagnostics, {source.file: source.text})
     modules = Modules(source, path, include)
-    reader = ModuleReader(Module(source, source.tree), modules)
-    profile = reader.profile()
+    folders: dict[Path, Diagnostic] = {}
+    while True:
+        reader = ModuleReader(Module(source, source.tree), modules)
+        profile = reader.profile()
+        further = None if profile is not None else reader.base_elsewhere()
+        if further is None or further[0] in folders:
+            break
+        folder, assumption = further
+        folders[folder] = assumption
+        modules.search_in(folder)
     read = (source, *modules.sources)
     diagnostics = [d for each in read for d in each.diagnostics]
+    diagnostics += folders.values()
     return ModuleResult(
         profile,
         (*diagnostics, *reader.findings.diagnostics),

@@ -78,8 +78,9 @@ class Modules:
                 return self._read[file]
         return None
 
-    def elsewhere(self, path: tuple[str, ...], name: str) -> Path | None:
-        """Return the file of a module of the repository that is not found and has a class."""
+    def elsewhere(self, path: tuple[str, ...], name: str) -> list[Path]:
+        """Return the files of the repository that may be a module that has a class."""
+        matches: list[Path] = []
         file_name = f"{path[-1]}.py"
         declares = re.compile(rf"^class\s+{re.escape(name)}\b", re.MULTILINE)
         remaining = _MAX_SEARCHED
@@ -89,10 +90,14 @@ class Modules:
             if file_name in files:
                 file = Path(folder, file_name)
                 if declares.search(read_source(file).text):
-                    return file
+                    matches.append(file)
             if remaining < 0:
                 break
-        return None
+        return matches
+
+    def search_in(self, folder: Path) -> None:
+        """Search in a further folder, too."""
+        self._folders.append(folder)
 
     def _add_folders(self, source: Source, path: Path) -> None:
         """Search in the folders that a module adds to `sys.path`, too."""

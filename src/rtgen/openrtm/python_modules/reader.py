@@ -7,7 +7,7 @@ import os
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-from rtgen.compiler.diagnostics import Rule, Span
+from rtgen.compiler.diagnostics import Diagnostic, Rule, Span
 from rtgen.compiler.frontends.profiles import profile_tree
 from rtgen.compiler.frontends.profiles.rtc_profile.names import (
     ACTIVITY_TYPES,
@@ -154,14 +154,37 @@ class ModuleReader:
                 break
         self._report_at(rules.NO_COMPONENT, start, f"there is no {what}", hint)
 
+    def base_elsewhere(self) -> tuple[Path, Diagnostic] | None:
+        """Return the folder of the only file of the repository that can have a missing base.
+
+        With the warning that it is taken.
+        """
+        for base, name, modules in unknown_bases(self._module, self._walker):
+            files = [*self._elsewhere(name[-1], modules)]
+            if len(files) == 1:
+                [(file, folder)] = files
+                message = (
+                    f"the folder of {'.'.join(name)} is known only when the module runs"
+                )
+                return folder, rules.COMPUTED.at(
+                    self._span(base),
+                    f"{message}; {_shown(file)} is taken",
+                    hint="-I names another one",
+                )
+        return None
+
+    def _elsewhere(
+        self, name: str, modules: Sequence[tuple[str, ...]]
+    ) -> Iterator[tuple[Path, Path]]:
+        """Yield the files that may have a class of modules, with the folders to search in."""
+        for each in modules:
+            for file in self._modules.elsewhere(each, name) if each else ():
+                yield file, file.parents[len(each) - 1]
+
     def _where(self, name: str, modules: Sequence[tuple[str, ...]]) -> str:
         """Return a hint for a base class of modules that are not found."""
-        for each in modules:
-            file = self._modules.elsewhere(each, name) if each else None
-            if file is not None:
-                path = Path(os.path.relpath(file)).as_posix()
-                folder = Path(path).parents[len(each) - 1].as_posix()
-                return f"{path} has it: -I {folder}"
+        for file, folder in self._elsewhere(name, modules):
+            return f"{_shown(file)} has it: -I {_shown(folder)}"
         listed = " or ".join(".".join(each) for each in modules if each)
         return f"name the folder of the module {listed} with -I"
 
@@ -321,6 +344,10 @@ def span_of(node: ast.AST, file: str) -> Span:
     if isinstance(node, ast.ClassDef):
         end, end_column = line, column + len("class ") + len(node.name)
     return Span(file, line, column, end, end_column)
+
+
+def _shown(path: Path) -> str:
+    return Path(os.path.relpath(path)).as_posix()
 
 
 def _adds(function: ast.FunctionDef) -> bool:

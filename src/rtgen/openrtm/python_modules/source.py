@@ -14,6 +14,8 @@ from pathlib import Path
 from threading import Lock
 from typing import Any
 
+from msgspec.structs import replace
+
 from rtgen.compiler.diagnostics import Diagnostic, Span
 from rtgen.facts.decoded_text import with_line_feeds
 from rtgen.facts.encodings import decode, labelled
@@ -40,8 +42,11 @@ _CONVERTING = Lock()
 """Held while the converter is used: it has a state."""
 
 _NOT_PYTHON_3 = "this is not Python 3"
+_NOT_PYTHON = "this is neither Python 3 nor Python 2"
 _DEEP = "too many"
 _INDENT = re.compile(r"^[ \t]+", re.MULTILINE)
+_BINARY_LONG = re.compile(r"\b(0[bB][01]+)[lL]\b")
+"""A number of Python 2 that fissix does not read."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,6 +93,9 @@ def read_source(path: Path) -> Source:
                 (*diagnostics, rules.ASSUMED.at(wrong.span, message)),
             )
     if wrong is not None:
+        if wrong.message.startswith(_NOT_PYTHON_3) and _refactor() is not None:
+            message = wrong.message.replace(_NOT_PYTHON_3, _NOT_PYTHON)
+            wrong = replace(wrong, message=message, hint=None)
         return Source(path, text, None, (*diagnostics, wrong))
     return Source(path, text, tree, tuple(diagnostics))
 
@@ -134,18 +142,25 @@ def _python_3(text: str, problem: str) -> str | None:
     """Convert the text to Python 3; None if that fails."""
     if len(text) > _MAX_CONVERTED or _NOT_PYTHON_3 not in problem or _DEEP in problem:
         return None
-    try:
-        converter = _converter(import_module("fissix.refactor"))
-        errors = import_module("fissix.pgen2.parse").ParseError
-        tokens = import_module("fissix.pgen2.tokenize").TokenError
-    except ImportError:
+    if (refactor := _refactor()) is None:
         return None
-    text = _without_tabs(text)
+    converter = _converter(refactor)
+    errors = import_module("fissix.pgen2.parse").ParseError
+    tokens = import_module("fissix.pgen2.tokenize").TokenError
+    text = _BINARY_LONG.sub(r"\1", _without_tabs(text))
     try:
         with _CONVERTING:
             return str(converter.refactor_string(f"{text}\n", "module"))
     except (errors, tokens, IndentationError, RecursionError, ValueError, KeyError):
         # KeyError: a character that starts no token of Python
+        return None
+
+
+def _refactor() -> Any:
+    """Return fissix's module; None if it is not installed."""
+    try:
+        return import_module("fissix.refactor")
+    except ImportError:
         return None
 
 

@@ -20,15 +20,24 @@ def component_idl(model: Model, component: Component) -> str:
     needed = declarations_of(model, component)
     opaque = {d.name for d in needed if d.annotation(OPAQUE) is not None}
     own = {component.file, component.other_file}
-    files = [name for each in model.files if each.name in own for name in each.includes]
-    files += [d.file for d in needed if d.name not in opaque and d.file not in own]
     included = opaque | set(_ancestors(model, component))
     inside = [d for d in model.declarations if d.name in included or _is_beside(d, own)]
     inside = [d for d in inside if d.name != component.name]
+    files = included_files(model, component)
     names = dict.fromkeys(PurePosixPath(file).name for file in files)
     includes = "".join(f'#include "{name}"\n' for name in names)
     text = idl_text(model, [*inside, component], components=True)
     return f"{includes}\n{text}" if includes else text
+
+
+def included_files(model: Model, component: Component) -> list[str]:
+    """Return the displayed paths of the files that the component's IDL includes."""
+    own = {component.file, component.other_file}
+    files = [name for each in model.files if each.name in own for name in each.includes]
+    for each in declarations_of(model, component):
+        if each.annotation(OPAQUE) is None and each.file not in own:
+            files.append(each.file)
+    return files
 
 
 def _is_beside(declaration: Declaration, files: set[str]) -> bool:

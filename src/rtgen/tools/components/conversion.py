@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from rtgen.compiler.diagnostics import (
@@ -17,9 +17,10 @@ from rtgen.compiler.frontends.profiles.profile_yaml import YAML_SUFFIXES
 from rtgen.compiler.model import Component, Model
 from rtgen.compiler.project import Project, is_component_profile
 from rtgen.facts.files import UnreadableError, read_file
+from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.tools.components.chosen_component import chosen
 from rtgen.tools.kit.console import Console
-from rtgen.tools.kit.exits import BAD_INPUT, Refusal, ReportedError
+from rtgen.tools.kit.exits import BAD_INPUT, ReportedError
 
 OF_COMPONENTS = ("idl", "rtc-xml", "rtc-yaml")
 OF_SYSTEMS = ("rts-xml", "rts-yaml")
@@ -29,10 +30,14 @@ _ENDINGS = {"idl": ".idl", "xml": ".xml", "yaml": ".yaml", "dbc": ".dbc"}
 
 @dataclass(frozen=True, slots=True)
 class Converted:
-    """A component, system or bus in its new form; `name` is that of its file."""
+    """A component, system or bus in its new form; `name` is that of its file.
+
+    `folders` are those of the files that it includes.
+    """
 
     name: str
     content: str | bytes
+    folders: tuple[Path, ...] = ()
 
     def write(self, folder: Path) -> Path:
         """Write a new file in a folder, and return its path. Raises ToolError."""
@@ -60,19 +65,18 @@ def converted(
 ) -> Converted:
     """Return a component, the one called `name` if there are several, or a system in a form.
 
-    The form of a module of OpenRTM-aist-Python is IDL by default. Raises InputError, Refusal,
-    ReportedError, ToolError.
+    By default a component in IDL becomes RTC.xml, others become IDL, and a system in XML becomes
+    YAML or the other way round. Raises InputError, ReportedError, ToolError.
     """
     path = Path(file)
-    if path.suffix.lower() in _MODULES:
+    suffix = path.suffix.lower()
+    if suffix in _MODULES:
         return adopted_as(console, path, form or "idl", include)
-    if form is None:
-        raise Refusal(f"--to is missing: {', '.join((*OF_COMPONENTS, *OF_SYSTEMS))}")
-    if path.suffix.lower() in (".xml", *YAML_SUFFIXES) and not is_component_profile(
-        path
-    ):
-        return _system(console, path, form)
-    return _component(console, path, form, name, include)
+    is_yaml = suffix in YAML_SUFFIXES
+    if (suffix == ".xml" or is_yaml) and not is_component_profile(path):
+        return _system(console, path, form or ("rts-xml" if is_yaml else "rts-yaml"))
+    other = "rtc-xml" if suffix in IDL_SUFFIXES else "idl"
+    return _component(console, path, form or other, name, include)
 
 
 def adopted_as(
@@ -207,11 +211,19 @@ def _in_form(
 ) -> Converted:
     from rtgen.compiler.frontends.kit import located_xml
     from rtgen.compiler.frontends.profiles import profile_yaml
-    from rtgen.tools.components.component_text import component_idl, component_profile
+    from rtgen.tools.components.component_text import (
+        component_idl,
+        component_profile,
+        included_files,
+    )
 
     name = component.name[-1]
     if form == "idl":
-        return named(name, form, component_idl(model, component))
+        files = [Path(file) for file in included_files(model, component)]
+        folders = dict.fromkeys(file.parent for file in files if file.is_file())
+        return replace(
+            named(name, form, component_idl(model, component)), folders=tuple(folders)
+        )
     xml = component_profile(model, component, project)
     if form == "rtc-xml":
         return named(name, form, xml)

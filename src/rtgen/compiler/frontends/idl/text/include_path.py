@@ -95,16 +95,18 @@ class IncludePath:
                     if candidate is not None:
                         self._origins.setdefault(candidate, folder)
                         return candidate, tuple(searched), False
+                if (virtual := self._library.virtual(name)) is not None:
+                    return virtual, tuple(searched), True
+                if (installed := self._of_openrtm(name, searched)) is not None:
+                    return installed, tuple(searched), False
+                if (inner := self._in_idl_folder(place, searched)) is not None:
+                    return inner, tuple(searched), False
             except (OSError, ValueError) as error:
                 reason = getattr(error, "strerror", None) or error
                 message = f"{name} cannot be read: {reason}"
                 unit.findings.report(lexical.UNREADABLE.at(span, message))
                 unit.guessed = True
                 return None, (), False
-            if (virtual := self._library.virtual(name)) is not None:
-                return virtual, tuple(searched), True
-            if (installed := self._of_openrtm(name, searched)) is not None:
-                return installed, tuple(searched), False
             self._missing[place] = self._hint(place)
         unit.guessed = True
         unit.findings.report(
@@ -125,6 +127,15 @@ class IncludePath:
         if source is not None:
             self._installed.add(source)
         return source
+
+    def _in_idl_folder(self, place: Place, searched: list[str]) -> Source | None:
+        """Return the file in a folder `idl` beside the one that includes it, as of RTCBuilder."""
+        beside, _, name = place
+        if beside is None:
+            return None
+        path = beside / "idl" / name
+        searched.append(absolute_path(path))
+        return self._library.open(path)
 
     def _hint(self, place: Place) -> str:
         """Return a hint: the folders searched, and a file there with a similar name."""
