@@ -131,7 +131,7 @@ class IncludePath:
     def _in_idl_folder(self, place: Place, searched: list[str]) -> Source | None:
         """Return the file in a folder `idl` beside the one that includes it, as of RTCBuilder."""
         beside, _, name = place
-        if beside is None:
+        if beside is None or ".." in Path(name).parts:
             return None
         path = beside / "idl" / name
         searched.append(absolute_path(path))
