@@ -330,7 +330,8 @@ class Exchange:
     def pdos(self) -> Iterator[tuple[int, list[Any], list[Any]]]:
         """Send every value in every PDO; yield number, sent values, and returned values."""
         # The device's samples on becoming OPERATIONAL.
-        self.system.run(self.system.time + SECOND // 2)
+        limit = self.system.time + 60 * SECOND
+        self.system.run(limit, until=lambda _: len(self.got) == len(GROUPS))
         self.got.clear()
         for number in range(1, len(GROUPS) + 1):
             port = self.source.out_ports[f"rpdo{number}"]
@@ -339,7 +340,7 @@ class Exchange:
                 port.write(sample)
             sent = [content(sample) for sample in samples]
             name = f"tpdo{number}"
-            limit = self.system.time + 5 * SECOND
+            limit = self.system.time + 60 * SECOND
             self.system.run(
                 limit,
                 until=lambda s: len(self.got.get(name, ())) >= len(sent),  # noqa: B023

@@ -395,14 +395,19 @@ def test_scan_notices_another_device(capfd: pytest.CaptureFixture[str]) -> None:
 
 @pytest.mark.slow
 def test_scan_finds_nodes_without_node_id(capfd: pytest.CaptureFixture[str]) -> None:
-    with nodes("lss", {201: "epos_drive", 202: "epos_drive"}, serial=41) as made:
+    def scanned() -> list[list[str]]:
+        """Return the rows, if both are in time: the search of LSS waits for 50 ms each."""
         assert command("lss", "scan", "--for", "0.1") == 0
+        captured = capfd.readouterr()
+        lines = [line.split() for line in captured.out.splitlines()[1:]]
+        is_whole = "0 nodes answer, 2 have no node-id" in captured.err
+        return lines if is_whole else []
+
+    with nodes("lss", {201: "epos_drive", 202: "epos_drive"}, serial=41) as made:
+        lines = until(scanned)
         assert all(node.node_id == 255 for node in made.values())
-    captured = capfd.readouterr()
-    lines = [line.split() for line in captured.out.splitlines()[1:]]
     assert [line[-1] for line in lines] == ["41", "42"]
     assert lines[0][:5] == ["-", "no", "node-id", "vendor", "0xFFFF01"]
-    assert "0 nodes answer, 2 have no node-id" in captured.err
 
 
 def test_a_search_whose_answer_was_late_is_tried_again(
