@@ -136,6 +136,10 @@ class RateError(RtcError, ValueError):
     """A rate is not a number of Hz above 0."""
 
 
+class EndlessFlowError(RtcError):
+    """Samples execute event-driven components in a cycle, so simulated time would stand still."""
+
+
 class TransportError(RtcError):
     """The transport of service calls cannot work as configured, or the naming service is gone."""
 

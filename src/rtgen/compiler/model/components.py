@@ -94,6 +94,7 @@ class Component(Declaration, frozen=True, kw_only=True):
     activity: str = "PERIODIC"
     component_type: str = "STATIC"
     activity_type: str = ""
+    triggers: str = ""
     execution: str = "PeriodicExecutionContext"
     created: str = NO_DATE
     updated: str = NO_DATE
@@ -103,6 +104,11 @@ class Component(Declaration, frozen=True, kw_only=True):
     factory: str = ""
     module: str = ""
     other_file: str = ""
+
+    @property
+    def trigger_ports(self) -> tuple[str, ...]:
+        """The InPorts whose samples an EVENTDRIVEN component is executed on; none: all."""
+        return tuple(t for text in self.triggers.split(",") if (t := text.strip()))
 
     @property
     def registered_activity(self) -> str:

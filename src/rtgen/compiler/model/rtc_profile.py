@@ -126,3 +126,4 @@ class RtcProfile(msgspec.Struct, frozen=True, kw_only=True):
     implements: bool = False
     language: str = "Python"
     activity_type: str = ""
+    triggers: str = ""

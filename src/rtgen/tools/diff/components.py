@@ -55,6 +55,7 @@ _FACTS = (
     Fact(kinds.COMPONENT_KIND, "activity", lambda c: c.activity),
     Fact(kinds.COMPONENT_KIND, "component type", lambda c: c.component_type),
     Fact(kinds.COMPONENT_KIND, "activity_type", lambda c: c.registered_activity),
+    Fact(kinds.COMPONENT_KIND, "triggers", lambda c: ", ".join(c.trigger_ports)),
     Fact(kinds.COMPONENT_KIND, "execution", lambda c: c.execution),
     Fact(kinds.COMPONENT_TEXTS, "description", lambda c: c.description),
     Fact(kinds.COMPONENT_BASE, "base", lambda c: "::".join(c.base or ()) or "none"),

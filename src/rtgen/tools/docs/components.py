@@ -44,7 +44,7 @@ def add(content: Content, page: Page, c: Component) -> None:
                 (
                     f"{c.activity}, {c.rate:g} Hz"
                     if c.activity == "PERIODIC"
-                    else c.activity
+                    else ", on ".join((c.activity, *c.trigger_ports))
                 ),
             ),
             (

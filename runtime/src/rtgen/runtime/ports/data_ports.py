@@ -144,6 +144,11 @@ class InPort(Generic[T]):
             connector.lost for connector in self._connectors
         )
 
+    @property
+    def unread(self) -> int:
+        """Number of unread samples."""
+        return len(self._unread)
+
     def call_on_arrival(self, action: Callable[[], None]) -> None:
         """Call a function after each sample that comes, in the tick and thread of its writer.
 

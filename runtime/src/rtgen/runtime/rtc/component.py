@@ -116,6 +116,7 @@ class Component:
         self._condition = ""
         self._active_contexts = 0
         self._contexts: dict[int, ExecutionContextOperations] = {}
+        self._event_contexts: tuple[ExecutionContextOperations, ...] = ()
         self._lock = threading.RLock()
         for declaration in self._declarations.values():
             declaration.add_to(self)
@@ -393,6 +394,19 @@ class Component:
         in, ERROR.
         """
         return RTC_OK
+
+    def _unread(self) -> int:
+        """Return the number of samples that have come at the ports that trigger it."""
+        return sum(port.unread for port in self._triggers())
+
+    def _triggers(self) -> Sequence[InPort[Any]]:
+        """Return the InPorts whose samples an event-driven context executes on."""
+        names = self.profile.triggers
+        return [p for name, p in self.in_ports.items() if not names or name in names]
+
+    def _sample_came(self) -> None:
+        for context in self._event_contexts:
+            context.wake()
 
     def _arrived(self) -> None:
         """Process external input between two ticks, after `ExecutionContext.wake`."""

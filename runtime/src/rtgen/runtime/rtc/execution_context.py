@@ -11,6 +11,7 @@ from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     BAD_PARAMETER,
     CREATED_STATE,
+    ERROR_STATE,
     PRECONDITION_NOT_MET,
     RTC_ERROR,
     RTC_OK,
@@ -70,6 +71,9 @@ StateListener = Callable[[Participant, LifeCycleState, LifeCycleState], None]
 
 class ExecutionContext:
     """An execution context (OMG RTC 1.0, 5.2.2.6), of PERIODIC kind by default.
+
+    One of EVENT_DRIVEN kind calls `on_execute` when samples come at the ports that trigger its
+    participants, not in its ticks: these serve requests, configuration and `on_error`.
 
     Activation, deactivation, reset and rate change are requests: they return immediately and are
     executed at the next tick, so that callbacks only run within ticks. Each phase of a tick
@@ -148,9 +152,19 @@ class ExecutionContext:
 
     def between_ticks(self) -> None:
         """Do the work requested by `wake`; called by the scheduler, never during a tick."""
+        again = False
         for participant in self._participants:
             with participant.component._lock:
                 participant.arrive()
+                if self.is_event_driven and participant.take_samples():
+                    again = True
+        if again:
+            self.wake()
+
+    @property
+    def is_event_driven(self) -> bool:
+        """Whether samples execute the participants."""
+        return self._kind is ExecutionKind.EVENT_DRIVEN
 
     def is_running(self) -> bool:
         """Return whether the context is started."""
@@ -301,6 +315,9 @@ class ExecutionContext:
             self._listener(participant, before, now)
 
     def _set_participants(self, participants: tuple[Participant, ...]) -> None:
+        for participant in {*self._participants, *participants}:
+            if self.is_event_driven:
+                self._listen(participant.component, participant in participants)
         self._participants = participants
         contexts = {
             id(context): context
@@ -311,15 +328,35 @@ class ExecutionContext:
             if isinstance(context, ExecutionContext):
                 context._choose_cycle()
 
+    def _listen(self, component: Component, listens: bool) -> None:
+        others = tuple(c for c in component._event_contexts if c is not self)
+        component._event_contexts = (*others, self) if listens else others
+        if component._event_contexts:
+            for port in component._triggers():
+                port.call_on_arrival(component._sample_came)
+
     def _choose_cycle(self) -> None:
         sole = self._participants[0] if len(self._participants) == 1 else None
-        if sole is not None and len(sole.component._contexts) == 1:
+        if self.is_event_driven:
+            self.cycle = self._cycle_between_samples
+        elif sole is not None and len(sole.component._contexts) == 1:
             self.cycle = sole.cycle
         else:
             self.cycle = self._cycle_of_all
         if self._around is not None:
             self.cycle = self._around(self.cycle)
         self._driver.cycle_changed(self)
+
+    def _cycle_between_samples(self) -> None:
+        for participant in self._participants:
+            with participant.component._lock:
+                before = participant.state
+                if not participant.carry_out_requests():
+                    if participant.state is ERROR_STATE:
+                        participant.execute()
+                    elif participant.state is not before and participant.take_samples():
+                        self.wake()
+                participant.finish()
 
     def _cycle_of_all(self) -> None:
         going_on = []

@@ -156,6 +156,19 @@ class Participant:
             self.enter(ERROR_STATE)
         self.finish()
 
+    def take_samples(self) -> bool:
+        """Execute for samples that have come; return whether to be called again for others.
+
+        It is not if the component has read none of them.
+        """
+        before = self.component._unread()
+        if self.state is not ACTIVE_STATE or not before:
+            return False
+        self.execute()
+        self.update()
+        self.finish()
+        return 0 < self.component._unread() < before
+
     def finish(self) -> None:
         """End a tick: deliver deferred samples, apply configuration changes."""
         if self._deferred_calls:

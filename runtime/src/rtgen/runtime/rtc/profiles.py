@@ -4,6 +4,8 @@ from __future__ import annotations
 
 import msgspec
 
+from rtgen.runtime.return_codes import ExecutionKind
+
 
 class ParameterProfile(msgspec.Struct, frozen=True, gc=False):
     """A configuration parameter.
@@ -48,7 +50,8 @@ class PortProfile(msgspec.Struct, frozen=True, gc=False):
 class ComponentProfile(msgspec.Struct, frozen=True, gc=False):
     """A component type; `rate` in Hz is the default of systems and `.conf` files.
 
-    `activity_type` is what others see instead of `activity`, if it is given.
+    `activity_type` is what others see instead of `activity`, if it is given. `triggers` are the
+    InPorts whose samples an EVENTDRIVEN component is executed on; none: all of them.
     """
 
     type_name: str
@@ -61,6 +64,13 @@ class ComponentProfile(msgspec.Struct, frozen=True, gc=False):
     max_instances: int = 1
     activity: str = "PERIODIC"
     activity_type: str = ""
+    triggers: tuple[str, ...] = ()
     execution: str = "PeriodicExecutionContext"
     ports: tuple[PortProfile, ...] = ()
     configuration: tuple[ParameterProfile, ...] = ()
+
+    @property
+    def kind_of_context(self) -> ExecutionKind:
+        """The kind of a component's own context."""
+        is_event_driven = self.activity == "EVENTDRIVEN"
+        return ExecutionKind.EVENT_DRIVEN if is_event_driven else ExecutionKind.PERIODIC

@@ -28,6 +28,8 @@ _LONG = 200_000
 """Time from which a tick counts as a long one [ns]."""
 _ASKED_AGAIN = 0.05
 """Seconds after which a tick that has not ended is asked again to end: it may begin a call late."""
+_TURNS = 64
+"""Number of actions between ticks that are called in succession while a tick is due."""
 _PATIENCE = 3
 """Times that the ticks of a task keep others from theirs before it leaves them."""
 
@@ -35,16 +37,26 @@ MACHINE, ALL = "", "*"
 """Causes of an overrun that are not one task: the machine, and the tasks of a thread together."""
 
 
+class Work:
+    """An action that is called when it is due; `of` is the task that it belongs to."""
+
+    __slots__ = ("action", "is_waiting", "of")
+
+    def __init__(self, action: Action, of: Task) -> None:
+        self.action = action
+        self.of = of
+        self.is_waiting = False
+
+
 class Task:
     """A periodic action; `order` is its place among those of one instant, `name` that for causes.
 
-    `between` is called after `Runner.wake`, `overrun` with the number of instants without a tick,
+    `work` is done after `Runner.wake`, `overrun` with the number of instants without a tick,
     and their cause: MACHINE, ALL, or the name of the task whose tick took the time.
     """
 
     __slots__ = (
         "action",
-        "between",
         "ended",
         "first",
         "harm",
@@ -57,6 +69,7 @@ class Task:
         "overrun",
         "period",
         "runner",
+        "work",
     )
 
     def __init__(
@@ -73,7 +86,7 @@ class Task:
         self.period = period
         self.action = action
         self.order = order
-        self.between = between
+        self.work = Work(between or _nothing, self)
         self.overrun = overrun
         self.longest = 0
         """The longest tick so far [ns]."""
@@ -84,7 +97,6 @@ class Task:
         self.runner: Runner | None = None
         self.lane: _Lane | None = None
         self.of = self
-        """The task itself, also of the action between its ticks."""
         self.ended = False
 
     def count(self, overruns: int, cause: str) -> None:
@@ -161,11 +173,14 @@ class Runner:
         self._heap: list[tuple[int, int, _Lane]] = []
         self._phases: dict[tuple[int, int], _Lane] = {}
         self._rows: dict[tuple[_Lane, ...], tuple[Task, ...]] = {}
-        self._row: tuple[Task, ...] = ()
+        self._tasks: set[Task] = set()
+        self._rest: deque[Task] = deque()
+        """Tasks that are due at the instant in progress."""
         self._at_once: list[Task] = []
         """Tasks whose first tick is due, and those left over by another runner."""
-        self._woken: list[Task] = []
-        self._current: Task | None = None
+        self._woken: deque[Work] = deque()
+        """The work of tasks between their ticks; it comes before the rest of the instant."""
+        self._current: Task | Work | None = None
         self._begun = 0
         self._news = False
         """Whether someone waits for the end of the tick in progress, or has changed the row."""
@@ -213,11 +228,12 @@ class Runner:
             task.runner.set_period(task, period)
 
     def wake(self, task: Task) -> None:
-        """Call `between` of a task soon; its next tick also makes up for it."""
+        """Call `between` of a task after the tick in progress."""
         with self._changed:
             if task.runner is self:
-                if task not in self._woken and task.lane is not None:
-                    self._woken.append(task)
+                if not task.work.is_waiting and not task.ended:
+                    task.work.is_waiting = True
+                    self._woken.append(task.work)
                     self._changed.notify_all()
                 return
         if task.runner is not None:
@@ -285,7 +301,7 @@ class Runner:
     def busy(self) -> Busy | None:
         """The tick in progress, if it keeps other tasks waiting."""
         current, begun = self._current, self._begun
-        if current is None or sum(len(lane.tasks) for _, _, lane in self._heap) < 2:
+        if current is None or len(self._tasks) < 2:
             return None
         return Busy(current.of, begun)
 
@@ -300,23 +316,28 @@ class Runner:
             task = busy.task
             if self._in_progress() is not task or self._begun != busy.begun:
                 return None
-            others = [t for _, _, lane in self._heap for t in lane.tasks if t != task]
+            others = self._tasks - {task}
             if not others or self._stopped:
                 return None
             new = Runner(self._thread.name, self._clock, self._owner)
             new._is_first = False
             due = None if task.lane is None else task.lane.due
+            is_woken = task.work.is_waiting
             self._drop(task)
-            new._heap, new._phases = self._heap, self._phases
-            self._heap, self._phases, self._rows = [], {}, {}
-            left = self._row[self._row.index(self._current) + 1 :]
-            new._at_once = [*self._at_once, *(t for t in left if t.of is t)]
-            new._woken = [*self._woken, *(t.of for t in left if t.of is not t)]
-            self._at_once, self._woken, self._row = [], [], ()
+            new._heap, new._phases, new._tasks = self._heap, self._phases, others
+            new._at_once = [*self._at_once, *self._rest]
+            new._woken = deque(self._woken)
+            self._heap, self._phases, self._rows, self._tasks = [], {}, {}, set()
+            self._at_once = []
+            self._rest.clear()
+            self._woken.clear()
             for each in others:
                 each.runner = new
-            if due is not None:
-                self._put(task, due)
+            if not task.ended:
+                self._put(task, due or 0)
+                if is_woken:
+                    task.work.is_waiting = True
+                    self._woken.append(task.work)
             self._ends_alone, self._is_exception = True, once
             self._thread.name = name
             shared.pop(self._thread.ident or 0, None)
@@ -329,8 +350,8 @@ class Runner:
         if not self._ends_alone:
             shared[ident] = self._leave
         try:
-            while row := self._next_row():
-                self._execute(row)
+            while self._await_row():
+                self._execute()
                 if self._is_exception:
                     self._give_back()
         finally:
@@ -343,25 +364,35 @@ class Runner:
 
     def _give_back(self) -> None:
         with self._changed:
-            tasks = [(t, lane.due) for _, _, lane in self._heap for t in lane.tasks]
+            tasks = [(t, t.lane.due if t.lane is not None else 0) for t in self._tasks]
             for task, _ in tasks:
                 self._drop(task)
                 task.runner = None
         for task, due in tasks:
             self._owner.take_back(task, due)
 
-    def _execute(self, row: tuple[Task, ...]) -> None:
-        clock = time.monotonic_ns
+    def _execute(self) -> None:
+        clock, woken, rest = time.monotonic_ns, self._woken, self._rest
+        task: Task | Work
         begun = clock()
+        turns = 0
         try:
-            for task in row:
+            while rest or woken:
+                if woken and (turns < _TURNS or not rest):
+                    task = self._next_work()
+                    turns += 1
+                else:
+                    task = rest.popleft()
+                    turns = 0
                 self._begun, self._current = begun, task
                 task.action()
                 self._current = None
                 now = clock()
                 if now - begun > _LONG:
                     self._note_long(task, now - begun)
-                if self._news and not self._goes_on(row):
+                if self._news:
+                    self._tell_waiting()
+                if turns >= _TURNS and not rest:
                     return
                 begun = now
         except BaseException as error:
@@ -370,31 +401,40 @@ class Runner:
             with self._changed:
                 self._drop(task.of)
 
-    def _goes_on(self, row: tuple[Task, ...]) -> bool:
+    def _next_work(self) -> Work:
+        with self._changed:
+            if not self._woken:  # another thread has removed it
+                return _NO_WORK
+            work = self._woken.popleft()
+            work.is_waiting = False
+            return work
+
+    def _tell_waiting(self) -> None:
+        """Let those go on who wait for the end of the tick, or change the tasks."""
         with self._changed:
             self._news = False
             self._changed.notify_all()
-            return self._row is row and not self._stopped
+            if self._stopped:
+                self._rest.clear()
+                self._woken.clear()
 
-    def _next_row(self) -> tuple[Task, ...]:
-        """Wait for the next tasks; return none at the end of the thread."""
+    def _await_row(self) -> bool:
+        """Wait until there are tasks to be called; return False at the end of the thread."""
         with self._changed:
             while True:
-                if self._stopped or (self._ends_alone and not self._phases):
-                    return ()
+                if self._stopped or (self._ends_alone and not self._tasks):
+                    return False
                 if self._at_once:
-                    self._row = tuple(sorted(self._at_once, key=_order))
+                    self._rest.extend(sorted(self._at_once, key=_order))
                     self._at_once.clear()
-                    return self._row
+                    return True
                 now = self._clock.elapsed()
                 heap = self._heap
                 if heap and heap[0][0] <= now:
-                    self._row = self._take(now)
-                    return self._row
-                if self._woken:
-                    self._row = tuple(map(_between, self._woken))
-                    self._woken.clear()
-                    return self._row
+                    self._rest.extend(self._take(now))
+                    return True
+                if self._woken or self._rest:
+                    return True
                 self._changed.wait((heap[0][0] - now) / SECOND if heap else None)
                 self._awake = self._clock.elapsed()
                 self._processor = time.thread_time_ns()
@@ -417,8 +457,6 @@ class Runner:
         if row is None:
             tasks = [task for lane in lanes for task in lane.tasks]
             row = self._rows[key] = tuple(sorted(tasks, key=_order))
-        if self._woken:
-            self._woken = [task for task in self._woken if task not in row]
         if late:
             harmful = self._leave_out(late, now)
             if harmful is not None and harmful.lane is not None:
@@ -472,8 +510,8 @@ class Runner:
         processor = time.thread_time_ns() - self._processor
         return ALL if 2 * processor > now - self._awake else MACHINE
 
-    def _note_long(self, task: Task, took: int) -> None:
-        task = task.of
+    def _note_long(self, called: Task | Work, took: int) -> None:
+        task = called.of
         task.longest = max(task.longest, took)
         self._long.append(_LongTick(self._clock.elapsed(), took, task))
         if took > task.period:
@@ -483,6 +521,8 @@ class Runner:
     # With the lock
 
     def _put(self, task: Task, due: int) -> None:
+        task.runner = self
+        self._tasks.add(task)
         key = task.period, due % task.period
         lane = self._phases.get(key)
         if lane is None or not lane.tasks or lane.due < due:
@@ -491,10 +531,14 @@ class Runner:
         elif lane.due > due:
             self._at_once.append(task)
         lane.put(task)
-        task.runner = self
         self._rows.clear()
 
     def _drop(self, task: Task) -> None:
+        self._tasks.discard(task)
+        self._at_once[:] = [each for each in self._at_once if each is not task]
+        if task.work.is_waiting:
+            task.work.is_waiting = False
+            self._woken.remove(task.work)
         lane = task.lane
         if lane is None:
             return
@@ -503,8 +547,6 @@ class Runner:
             self._heap[:] = [each for each in self._heap if each[2] is not lane]
             heapify(self._heap)
             self._phases = {k: v for k, v in self._phases.items() if v is not lane}
-        self._at_once[:] = [each for each in self._at_once if each is not task]
-        self._woken[:] = [each for each in self._woken if each is not task]
         self._rows.clear()
 
     def _in_progress(self) -> Task | None:
@@ -530,16 +572,12 @@ def begin_of(period: int, now: int) -> int:
     return now - now % min(GRID, period)
 
 
-def _between(task: Task) -> Task:
-    """Return the work of a task between its ticks."""
-    work = Task(task.name, task.period, task.between or _nothing, order=task.order)
-    work.of = task
-    return work
-
-
 def _order(task: Task) -> int:
     return task.order
 
 
 def _nothing() -> None:
     return None
+
+
+_NO_WORK = Task("", 1, _nothing).work

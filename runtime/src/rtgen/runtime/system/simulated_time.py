@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from rtgen.facts.connector_properties import Subscription
+from rtgen.runtime.errors import EndlessFlowError
 from rtgen.runtime.ports.publisher import Publisher
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.execution_context import ExecutionContext
@@ -18,6 +19,12 @@ from rtgen.runtime.timing.clocks import SimulatedClock, period_of
 
 # Order of actions due at the same time; within a band, in order of insertion.
 _ACTIONS, _PUBLISHERS, _CONTEXTS, _BUSES, _WATCHERS = (band << 32 for band in range(5))
+
+_ARRIVALS = -1 << 32
+"""After the action that wrote a sample, and before the next one of the same time."""
+
+_MAX_ARRIVALS = 100_000
+"""Executions on samples at one time."""
 
 _NEVER = 1 << 62
 
@@ -51,6 +58,8 @@ class SimulatedScheduler:
         self._driven: dict[ExecutionContext, _Driven] = {}
         self._resume: dict[ExecutionContext, int] = {}
         self._woken: set[ExecutionContext] = set()
+        self._arrivals = 0, 0
+        """A time, and the number of executions on samples then."""
         self._end: BaseException | None = None
         self._table: Timetable | None = None
         self._place = -1
@@ -158,7 +167,27 @@ class SimulatedScheduler:
             if context in self._driven:
                 context.between_ticks()
 
-        self._push(self._clock.time, _BUSES, Task(between_ticks, 0))
+        if not context.is_event_driven:
+            self._push(self._clock.time, _BUSES, Task(between_ticks, 0))
+        elif self._counts_arrival(context):
+            self._push(self._clock.time, _ARRIVALS, Task(between_ticks, 0))
+
+    def _counts_arrival(self, context: ExecutionContext) -> bool:
+        """Count executions at this time; end the run if samples go round without end."""
+        instant, count = self._arrivals
+        self._arrivals = self._clock.time, (
+            count + 1 if instant == self._clock.time else 1
+        )
+        if count < _MAX_ARRIVALS or instant != self._clock.time:
+            return True
+        name = context.owner.instance_name if context.owner else "a shared context"
+        self.end_run(
+            EndlessFlowError(
+                f"{name}: samples have executed components {_MAX_ARRIVALS} times at one instant;"
+                " one component of a cycle has to be periodic"
+            )
+        )
+        return False
 
     @property
     def is_ending(self) -> bool:

@@ -121,11 +121,13 @@ class System(Closable):
         component: Component,
         rate_hz: float | None = None,
         threads: Threads | str | None = None,
+        kind: ExecutionKind | None = None,
     ) -> ExecutionContext:
         """Initialize a component and give it a running context of its own.
 
         The rate is `rate_hz`, else that of its `.conf` file, else that of its profile; the thread
-        is that of `threads`, else of the `.conf` file, else of the system. Raises
+        is that of `threads`, else of the `.conf` file, else of the system; the kind is `kind`, else
+        EVENT_DRIVEN for a profile with activity EVENTDRIVEN, else PERIODIC. Raises
         DuplicateInstanceError, RateError, CheckpointError, or InitializationError if
         `on_initialize` failed; its cause is the exception, which is not reported otherwise.
         """
@@ -138,6 +140,7 @@ class System(Closable):
         context = ExecutionContext(
             rate,
             owner=component,
+            kind=kind if kind is not None else component.profile.kind_of_context,
             driver=self._scheduler,
             listener=self._state_changed,
             has_own_thread=Threads(threads) is Threads.OWN,

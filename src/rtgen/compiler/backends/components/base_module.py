@@ -216,6 +216,10 @@ class _BaseModule:
                 text = isinstance(value, str)
                 literal = string_literal(value) if text else number_literal(value)
                 written.append(f"{name}={literal}")
+        if component.trigger_ports:
+            ports = ", ".join(map(string_literal, component.trigger_ports))
+            comma = "," * (len(component.trigger_ports) == 1)
+            written.append(f"triggers=({ports}{comma})")
         return ", ".join(written)
 
     # The configuration class.

@@ -152,6 +152,13 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
                 f"did you mean {near}? " * bool(near) + f"one of {', '.join(choices)}"
             )
             yield finding(rules.CHOICE, f"unknown {key} {value!r}", hint)
+    in_ports = [p.name for p in component.ports if p.kind is PortKind.INPORT]
+    for port in component.trigger_ports:
+        if port not in in_ports:
+            near = _nearest(port, in_ports)
+            known = ", ".join(in_ports) or "none"
+            hint = f"did you mean {near}? " * bool(near) + f"InPorts: {known}"
+            yield finding(rules.CHOICE, f"`triggers` names no InPort {port!r}", hint)
     usual: tuple[tuple[str, str, Sequence[str]], ...] = (
         ("kind", component.kind, _KINDS),
         ("kind of execution context", component.execution, _CONTEXTS),
@@ -199,6 +206,7 @@ def _texts(component: Component) -> Iterator[Diagnostic]:
         f"component `{component.scoped}`",
         (
             *(*own, component.activity_type, component.description),
+            component.triggers,
             *(component.execution, component.doc),
         ),
     )

@@ -112,6 +112,7 @@ class Lowering:
             activity=profile.activity,
             component_type=profile.component_type,
             activity_type=profile.activity_type,
+            triggers=profile.triggers,
             execution=profile.execution,
             created=profile.created,
             updated=profile.updated,

@@ -18,7 +18,14 @@ from rtgen.compiler.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
 
 _PROFILE = (
     *("kind", "category", "vendor", "version", "description", "rate", "max_instances"),
-    *("activity", "component_type", "activity_type", "execution", "created"),
+    *(
+        "activity",
+        "component_type",
+        "activity_type",
+        "triggers",
+        "execution",
+        "created",
+    ),
     "updated",
 )
 """The arguments of `@rtc`, in order: fields of a component."""

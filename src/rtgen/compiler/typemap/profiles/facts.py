@@ -42,6 +42,8 @@ PROPERTY = "rtgen.definition"
 """The name of the property."""
 ACTIVITY_PROPERTY = "activity_type"
 """The name of the property of a component with the text that OpenRTM registers."""
+TRIGGERS_PROPERTY = "rtgen.triggers"
+"""The name of the property of a component with the InPorts that execute it."""
 
 Facts: TypeAlias = dict[str, Any]
 

@@ -131,6 +131,7 @@ DEFINITIONS: Mapping[str, Definition] = MappingProxyType(
             execution=TEXT,
             component_type=TEXT,
             activity_type=TEXT,
+            triggers=TEXT,
             created=TEXT,
             updated=TEXT,
         ),

@@ -35,6 +35,7 @@ from rtgen.compiler.typemap.profiles.escapes import lines, one_line
 from rtgen.compiler.typemap.profiles.facts import (
     ACTIVITY_PROPERTY,
     PROPERTY,
+    TRIGGERS_PROPERTY,
     Facts,
     checked,
     facts_from,
@@ -97,6 +98,7 @@ class Reader:
             service_ports=tuple(self._service_ports(root)),
             facts=self._facts(info),
             activity_type=dict(_properties(info)).get(ACTIVITY_PROPERTY, ""),
+            triggers=dict(_properties(info)).get(TRIGGERS_PROPERTY, ""),
         )
 
     # Attributes.
