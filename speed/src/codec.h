@@ -101,6 +101,14 @@ typedef struct {
     int swap, little, depth;
 } Reader;
 
+/* What an `any` needs of the runtime: its class, and for each byte order (big, little) the entries of
+ * types by their identity, and by the octets of their type codes; the functions add entries. */
+typedef struct {
+    PyObject *class, *heads[2], *make_head, *types[2], *make_type;
+    Py_ssize_t type_offset, value_offset;
+} Anys;
+
+extern Anys anys;
 extern PyTypeObject Table_Type, Codec_Type;
 extern PyObject *numeric_array; /* rtgen's array class, set by the runtime */
 
@@ -109,6 +117,9 @@ PyObject *take(Reader *, const Node *);
 PyObject *copy(const Node *, PyObject *, int depth);
 int union_number(PyObject *discriminator, int64_t *number);
 const Node *branch_of(const Node *, int64_t number);
+Py_ssize_t slot_of(PyTypeObject *, PyObject *name);
+int put_any(Writer *, PyObject *);
+PyObject *take_any(Reader *);
 PyObject *instance(const Node *, PyObject **values);
 
 #if defined(_MSC_VER)

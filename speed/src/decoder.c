@@ -506,8 +506,24 @@ static PyObject *take_nested(Reader *r, const Node *node) {
     case DELIMITED: return take_delimited(r, node);
     case OPTIONAL: return take_optional(r, node);
     case PARAMETER: return take_parameter(r, node);
+    case ANY: return take_any(r);
     default: return NULL;
     }
+}
+
+/* Returns the size of the type code at the position, which becomes a multiple of 4; -1 if there is none. */
+Py_ssize_t type_code_size(Reader *r) {
+    enum { OBJREF = 14, STRING_CODE = 18, WSTRING_CODE = 27, FIXED_CODE = 28, NATIVE = 31, EVENT = 36 };
+    if (begin(r, 4, 4)) return -1;
+    const unsigned char *at = r->data + r->position;
+    uint32_t kind = load32(at, r->swap);
+    Py_ssize_t left = r->end - r->position;
+    if (kind > EVENT) return -1;
+    if (kind < OBJREF || (kind > 22 && kind < WSTRING_CODE)) return 4;
+    if (left < 8) return -1;
+    if (kind == STRING_CODE || kind == WSTRING_CODE || kind == FIXED_CODE) return 8;
+    uint32_t size = load32(at + 4, r->swap);
+    return kind != NATIVE && (int64_t)size <= left - 8 ? 8 + (Py_ssize_t)size : -1;
 }
 
 PyObject *take(Reader *r, const Node *node) {

@@ -528,8 +528,14 @@ static int put_nested(Writer *w, const Node *node, PyObject *value) {
         uint32_t flags = node->id | (node->must_understand ? LONG_MUST_UNDERSTAND : 0);
         return put_parameter(w, node->child, flags, value, 0);
     }
+    case ANY: return put_any(w, value);
     default: return -1;
     }
+}
+
+/* Appends octets that begin at a multiple of 4. */
+int put_aligned(Writer *w, const char *octets, Py_ssize_t count) {
+    return begin(w, 4, 0) ? -1 : put_octets(w, octets, count);
 }
 
 int put(Writer *w, const Node *node, PyObject *value) {

@@ -219,7 +219,31 @@ static PyObject *set_numeric_array(PyObject *module, PyObject *class) {
     Py_RETURN_NONE;
 }
 
+static PyObject *set_any(PyObject *module, PyObject *args) {
+    Anys given = {0};
+    if (anys.class != NULL) Py_RETURN_NONE;
+    if (!PyArg_ParseTuple(args, "O!(O!O!)O(O!O!)O", &PyType_Type, &given.class, &PyDict_Type, &given.heads[0], &PyDict_Type,
+                          &given.heads[1], &given.make_head, &PyDict_Type, &given.types[0], &PyDict_Type, &given.types[1],
+                          &given.make_type)) return NULL;
+    PyObject *type = PyUnicode_FromString("type"), *value = PyUnicode_FromString("value");
+    given.type_offset = type == NULL ? -1 : slot_of((PyTypeObject *)given.class, type);
+    given.value_offset = value == NULL ? -1 : slot_of((PyTypeObject *)given.class, value);
+    Py_XDECREF(type);
+    Py_XDECREF(value);
+    if (given.type_offset < 0 || given.value_offset < 0) return PyErr_SetString(PyExc_TypeError, "no slots"), NULL;
+    for (int i = 0; i < 2; i++) {
+        Py_INCREF(given.heads[i]);
+        Py_INCREF(given.types[i]);
+    }
+    Py_INCREF(given.class);
+    Py_INCREF(given.make_head);
+    Py_INCREF(given.make_type);
+    anys = given;
+    Py_RETURN_NONE;
+}
+
 static PyMethodDef functions[] = {
+    {"set_any", set_any, METH_VARARGS, "Sets the class of `any`, and the tables and makers of its types."},
     {"set_numeric_array", set_numeric_array, METH_O, "Sets the class of arrays of numbers."},
     {NULL, NULL, 0, NULL},
 };

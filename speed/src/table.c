@@ -53,7 +53,7 @@ static int node_of(Table *self, PyObject *part, const char *name, const Node **n
 }
 
 /* The offset of an attribute's slot, or -1: `__slots__` of a base of msgspec.Struct. */
-static Py_ssize_t slot_of(PyTypeObject *type, PyObject *name) {
+Py_ssize_t slot_of(PyTypeObject *type, PyObject *name) {
     PyObject *found = _PyType_Lookup(type, name);
     if (found == NULL || !Py_IS_TYPE(found, &PyMemberDescr_Type)) return -1;
     PyMemberDef *member = ((PyMemberDescrObject *)found)->d_member;

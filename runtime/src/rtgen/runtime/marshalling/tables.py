@@ -1,8 +1,8 @@
 """Tables of types for the codecs in C of `rtgen-speed`, and the judgement which types have one.
 
-A type stays in Python, without a table, if a part of it is marshalled by its descriptor (`any`,
-valuetypes), is an object reference, a mutable union, or a structured numpy array. For octets and
-values that a table does not cover, the codec calls the function in Python.
+A type stays in Python, without a table, if a part of it is a valuetype, a type code, an object
+reference, a mutable union, or a structured numpy array. For octets and values that a table does not
+cover, the codec calls the function in Python.
 
 The environment variable RTGEN_CODEC chooses: `python`, or `c`, which requires `rtgen-speed`.
 """
@@ -12,7 +12,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable, Sequence
 from enum import Enum
-from functools import cache
+from functools import cache, partial
 from math import prod
 from types import ModuleType
 from typing import Any, Final, Literal, TypeAlias
@@ -21,18 +21,28 @@ import msgspec
 
 from rtgen.facts.numeric import MAX_LIST_LENGTH
 from rtgen.runtime.marshalling.descriptors import (
+    ANY,
+    UNKNOWN,
+    BoxDescriptor,
+    Descriptor,
     ExceptionDescriptor,
+    InterfaceDescriptor,
+    PrimitiveDescriptor,
     StructDescriptor,
     UnionDescriptor,
+    ValueDescriptor,
+    plain,
+    until_registration,
 )
 from rtgen.runtime.marshalling.layouts.envelopes import identifier
-from rtgen.runtime.marshalling.layouts.formats import Format, UnsupportedError
+from rtgen.runtime.marshalling.layouts.formats import CLASSIC, Format, UnsupportedError
 from rtgen.runtime.marshalling.layouts.nodes import (
     Atom,
     AtomArray,
     AtomSequence,
     Call,
     Delimited,
+    Dynamic,
     Form,
     Group,
     Member,
@@ -52,7 +62,6 @@ from rtgen.runtime.marshalling.layouts.trees import (
     has_headers,
     has_list,
     is_delimited,
-    is_dynamic,
     tree_of,
 )
 from rtgen.runtime.marshalling.numeric import NumericArray
@@ -65,6 +74,8 @@ from rtgen.runtime.marshalling.octets import (
 from rtgen.runtime.marshalling.source.conversions import enumerators
 
 _Hook: TypeAlias = Callable[[Any, bool], Any]
+_Entry: TypeAlias = tuple[Descriptor, bytes, Any]
+"""A type, the octets of its type code, and a codec of its values; None if it has none (`null`)."""
 _Member: TypeAlias = tuple[str, int, int, int, bool, bool, bool]
 
 INTERFACE: Final = 1
@@ -85,6 +96,18 @@ _TEXTS = {text: number for number, text in enumerate(Text)}
 _FORMS = {"list": 0, "array": 1, "numpy": 2}
 _SIGNED = 1 << 63
 _DECLARED = StructDescriptor, ExceptionDescriptor, UnionDescriptor
+_MAX_CACHED = 256
+
+_HEADS: tuple[dict[int, _Entry], dict[int, _Entry]] = (
+    until_registration({}),
+    until_registration({}),
+)
+"""By byte order (big, little) and the identity of a type: what an `any` with it begins with."""
+_TYPES: tuple[dict[bytes, _Entry], dict[bytes, _Entry]] = (
+    until_registration({}),
+    until_registration({}),
+)
+"""By byte order and the octets of a type code: its type."""
 
 
 @cache
@@ -105,9 +128,17 @@ def speed() -> ModuleType | None:
         if choice:
             raise ImportError("rtgen-speed and rtgen-runtime are of different versions")
         return None
-    rtgen_speed.set_numeric_array(NumericArray)
     module: ModuleType = rtgen_speed
+    prepare(module)
     return module
+
+
+def prepare(module: ModuleType) -> None:
+    """Give the module what it needs of the runtime."""
+    module.set_numeric_array(NumericArray)
+    class_ = UNKNOWN[PrimitiveDescriptor]
+    make_head, make_type = partial(_head_of_any, module), partial(_type_of_any, module)
+    module.set_any(class_, _HEADS, make_head, _TYPES, make_type)
 
 
 def codec(
@@ -139,6 +170,66 @@ def codec(
     return module.Codec(table, root, mode, number, bound, name, in_python)
 
 
+def _head_of_any(module: ModuleType, type_: Any, little: bool) -> _Entry | None:
+    """Return what an `any` with this type begins with; None if it is left to Python."""
+    from rtgen.runtime.marshalling.type_codes import type_code_octets
+
+    try:
+        inner = _codec_in_any(module, type_)
+    except (_UncoveredError, UnsupportedError):
+        return None
+    kind, parameters = type_code_octets(type_, little)
+    entry = type_, kind.to_bytes(4, _order(little)) + parameters, inner
+    table = _HEADS[little]
+    if len(table) >= _MAX_CACHED:
+        table.clear()
+    table[id(type_)] = entry
+    return entry
+
+
+def _type_of_any(module: ModuleType, octets: bytes, little: bool) -> _Entry | None:
+    """Return the type of a type code; None if it is left to Python."""
+    from rtgen.runtime.marshalling.type_codes import MAX_CACHED_OCTETS, type_at_start
+
+    type_ = type_at_start(octets, little)
+    try:
+        inner = _codec_in_any(module, type_)
+    except (_UncoveredError, UnsupportedError):
+        return None
+    entry = type_, octets, inner
+    table = _TYPES[little]
+    if len(octets) <= MAX_CACHED_OCTETS:
+        if len(table) >= _MAX_CACHED:
+            table.clear()
+        table[octets] = entry
+    return entry
+
+
+def _codec_in_any(module: ModuleType, type_: Any) -> Any:
+    """Return the codec of values in an `any`, which compiled codecs in Python marshal, too."""
+    from rtgen.runtime.marshalling.dynamic.direct import (
+        compiled_class,
+        has_empty_elements,
+    )
+
+    described = plain(type_)
+    match described:
+        case PrimitiveDescriptor("null" | "void"):
+            return None
+        case StructDescriptor() | UnionDescriptor():
+            is_covered = compiled_class(described) is not None
+        case ExceptionDescriptor() | InterfaceDescriptor():
+            is_covered = False
+        case ValueDescriptor() | BoxDescriptor():
+            is_covered = False
+        case _:
+            is_covered = not (has_headers(described) or has_empty_elements(described))
+    if not is_covered:
+        raise _UncoveredError
+    table, root = _table(module, described, CLASSIC, False)
+    return module.Codec(table, root, _MODES["read"], -1, False, "any", _MODES.get)
+
+
 class _UncoveredError(Exception):
     """Raised for a type without a table."""
 
@@ -146,8 +237,6 @@ class _UncoveredError(Exception):
 def _table(
     module: ModuleType, descriptor: Any, format_: Format, copies: bool
 ) -> tuple[Any, int]:
-    if is_dynamic(descriptor):
-        raise _UncoveredError
     table = _Table(module, format_, copies)
     root = table.whole(descriptor)
     return module.Table(table.nodes), root
@@ -220,12 +309,16 @@ class _Table:
                 )
             case Reference() if self._copies:
                 return self._add("ANY", shared=1)
+            case Dynamic(type=type_) if type_ == ANY and not self._copies:
+                return self._add("ANY")
         raise _UncoveredError
 
     def _atom(self, atom: Atom) -> int:
         fields: dict[str, Any] = {"align": atom.align, "size": atom.size, "shared": 1}
         number = _NUMBERS.get(atom.code)
         described = atom.type
+        if described is not None and described.class_ is None:
+            raise _UncoveredError
         match atom.form:
             case Form.NUMBER if number is not None:
                 self.nodes.append({"kind": number, "code": ord(atom.code), **fields})

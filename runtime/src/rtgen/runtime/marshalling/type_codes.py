@@ -91,7 +91,7 @@ MAX_DEPTH = 100
 
 _MAX_CACHED = 256
 """Maximum number of cached type codes; a full table is cleared."""
-_MAX_CACHED_OCTETS = 4096
+MAX_CACHED_OCTETS = 4096
 """Maximum size of a cached type code."""
 
 _WRITTEN: dict[tuple[int, bool], tuple[Any, int, bytes]] = {}
@@ -117,14 +117,14 @@ def type_code_octets(descriptor: Any, little_endian: bool) -> tuple[int, bytes]:
     writer.type(descriptor, little_endian)
     kind = struct.unpack_from("<I" if little_endian else ">I", writer.out)[0]
     parameters = bytes(writer.out[4:])
-    if isinstance(descriptor, Named) and len(parameters) <= _MAX_CACHED_OCTETS:
+    if isinstance(descriptor, Named) and len(parameters) <= MAX_CACHED_OCTETS:
         _keep(_WRITTEN, (id(descriptor), little_endian), (descriptor, kind, parameters))
     return kind, parameters
 
 
 def known_type(kind: int, encapsulation: bytes) -> Descriptor | None:
     """Return the type of a type code that was read before; None for another one."""
-    if len(encapsulation) > _MAX_CACHED_OCTETS:
+    if len(encapsulation) > MAX_CACHED_OCTETS:
         return None
     return _READ_EXACTLY.get((kind, encapsulation))
 
@@ -134,13 +134,29 @@ def type_of_code(kind: int, encapsulation: bytes) -> Descriptor:
     descriptor = _READ_EXACTLY.get((kind, encapsulation))
     if descriptor is None:
         descriptor = _type_of_code(kind, encapsulation)
-        if len(encapsulation) <= _MAX_CACHED_OCTETS:
+        if len(encapsulation) <= MAX_CACHED_OCTETS:
             _keep(_READ_EXACTLY, (kind, encapsulation), descriptor)
     return descriptor
 
 
+def type_at_start(octets: bytes, little_endian: bool) -> Descriptor:
+    """Return the type of a type code that is all of the octets. Raises Fault or struct.error."""
+    order = "<" if little_endian else ">"
+    (kind,) = struct.unpack_from(f"{order}I", octets)
+    offset = 4
+
+    def number(code: str) -> int:
+        nonlocal offset
+        offset += struct.calcsize(f"<{code}")
+        here = offset - struct.calcsize(f"<{code}")
+        return int(struct.unpack_from(order + code, octets, here)[0])
+
+    type_ = simple_type(kind, number)
+    return type_of_code(kind, octets[8:]) if type_ is None else type_
+
+
 def _type_of_code(kind: int, encapsulation: bytes) -> Descriptor:
-    if kind in (_SEQUENCE, _ARRAY) or not 8 < len(encapsulation) <= _MAX_CACHED_OCTETS:
+    if kind in (_SEQUENCE, _ARRAY) or not 8 < len(encapsulation) <= MAX_CACHED_OCTETS:
         return _Reader(encapsulation).parameters(kind)
     end = 8 + int.from_bytes(
         encapsulation[4:8], "little" if encapsulation[0] else "big"
