@@ -8,6 +8,7 @@ import shutil
 import subprocess
 import sys
 import tomllib
+from dataclasses import replace
 from pathlib import Path
 
 import click
@@ -35,6 +36,7 @@ START = (
     "tutorial",
 )
 """Pages that need no more than what `make demo` installs, and the tutorial."""
+JAPANESE = (ROOT / "README.ja.md", *sorted((ROOT / "docs" / "ja").glob("*.md")))
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 
@@ -99,7 +101,9 @@ def anchors(page: Path) -> set[str]:
 
 
 @pytest.mark.parametrize(
-    "page", PAGES, ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix()
+    "page",
+    [*PAGES, *JAPANESE],
+    ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix(),
 )
 def test_links_lead_somewhere(page: Path) -> None:
     for link in LINK.findall(page.read_text(encoding="utf-8")):
@@ -123,6 +127,30 @@ def test_a_page_says_first_for_whom_it_is(page: Path) -> None:
     assert heading.startswith("# ")
     assert not blank
     assert re.fullmatch(r"\*For those who .+\.\*", first)
+
+
+@pytest.mark.parametrize(
+    "page",
+    [page for page in JAPANESE if page.stem not in ("README", "words")],
+    ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix(),
+)
+def test_a_japanese_page_shows_what_the_english_one_does(page: Path) -> None:
+    english = README if page == JAPANESE[0] else ROOT / "docs" / page.name
+    shown, expected = (
+        [replace(part, line=0) for part in parts(each)] for each in (page, english)
+    )
+    assert shown == expected
+
+
+def test_japanese_pages_lead_to_each_other() -> None:
+    index = (ROOT / "docs" / "ja" / "README.md").read_text(encoding="utf-8")
+    linked = {link.partition("#")[0] for link in LINK.findall(index)}
+    assert {page.name for page in JAPANESE[1:]} - {"README.md"} <= linked
+    for page in JAPANESE[1:]:
+        heading, blank, first, *_ = page.read_text(encoding="utf-8").splitlines()
+        assert heading.startswith("# ")
+        assert not blank
+        assert re.fullmatch(r"\*.+人のために。.*\*", first)
 
 
 def test_every_command_has_a_row_in_its_section() -> None:
