@@ -3,7 +3,7 @@
 const { window, workspace } = require("vscode");
 const { LanguageClient } = require("vscode-languageclient/node");
 
-const WATCHED = "**/*.{idl,inc,cdl,cde,h,eds,dcf,toml,xml,yaml,yml}";
+const WATCHED = "**/*.{idl,inc,cdl,cde,h,eds,dcf,xdd,xdc,toml,xml,yaml,yml}";
 
 let client;
 
@@ -18,7 +18,7 @@ async function activate(context) {
         { scheme: "file", language: "idl" },
         { scheme: "file", language: "cdl" },
         { scheme: "file", language: "eds" },
-        { scheme: "file", pattern: "**/*.{toml,xml,yaml,yml}" },
+        { scheme: "file", pattern: "**/*.{xdd,xdc,toml,xml,yaml,yml}" },
       ],
       synchronize: { fileEvents: workspace.createFileSystemWatcher(WATCHED) },
     },

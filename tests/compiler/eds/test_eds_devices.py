@@ -377,15 +377,26 @@ def test_module_names(stem: str, name: str) -> None:
     assert module_name(stem) == name
 
 
-def test_a_description_in_xml_is_named_with_the_way_out(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+@pytest.mark.parametrize(
+    ("name", "text", "hint"),
+    [
+        ("drive.eds", "<ISO15745ProfileContainer/>\n", "call an XDD (CiA 311) *.xdd"),
+        ("drive.xdd", "[FileInfo]\nFileName=drive.eds\n", "call it *.eds or *.dcf"),
+        ("drive.xpd", "<ISO15745ProfileContainer/>\n", "call that of a device *.xdd"),
+    ],
+)
+def test_a_description_under_the_name_of_the_other_form(
+    name: str,
+    text: str,
+    hint: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    text = '<?xml version="1.0"?>\n<ISO15745ProfileContainer/>\n'
-    for name in ("drive.xdd", "drive.eds"):
-        Path(name).write_text(text, encoding="utf-8")
-        assert run(["inspect", name]) == 2
-        assert "as an EDS, with CANopenEditor for example" in capfd.readouterr().err
+    Path(name).write_text(text, encoding="utf-8")
+    assert run(["inspect", name]) == 2
+    assert hint in capfd.readouterr().err
 
 
 def test_many_objects_that_are_written_out(tmp_path: Path) -> None:

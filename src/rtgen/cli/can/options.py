@@ -77,7 +77,7 @@ def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
             multiple=True,
             metavar="NODE-ID=FILE",
             callback=_descriptions,
-            help="EDS or DCF of a node; a DCF may have its id.",
+            help="EDS, DCF, XDD or XDC of a node; a DCF or XDC may have its id.",
         ),
     )
     @functools.wraps(function)

@@ -16,6 +16,7 @@ from rtgen.compiler.frontends import Dependency, FrontendResult, together
 from rtgen.compiler.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.compiler.kit import plugins, stages
 from rtgen.compiler.model import Model
+from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.files import read_start
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.facts.ros import GENERATED_IDL, INTERFACE_KINDS, INTERFACE_SUFFIXES
@@ -175,7 +176,7 @@ def _of_wing(module: str) -> Read:
 
 FRONTENDS: Final[tuple[tuple[str, tuple[str, ...], Read], ...]] = (
     ("profiles", (".xml", ".yaml", ".yml"), _profiles),
-    ("EDS and DCF", (".eds", ".dcf"), _devices),
+    ("device descriptions", DEVICE_SUFFIXES, _devices),
     ("bus files", (".toml",), _buses),
     ("CDL", (".cdl", ".cde"), _boards),
     ("ROS 2 interfaces", INTERFACE_SUFFIXES, _of_wing("rtgen.ros2.rosidl")),

@@ -13,6 +13,7 @@ from fnmatch import fnmatchcase
 
 from rtgen.compiler.diagnostics import Diagnostic, Severity, Span
 from rtgen.compiler.lint import rules
+from rtgen.facts.device_files import TEXT_SUFFIXES, XML_SUFFIXES
 from rtgen.facts.idl_files import IDL_SUFFIXES
 
 _COMMENT = re.compile(
@@ -23,9 +24,8 @@ _MARKS = {
     **dict.fromkeys(IDL_SUFFIXES, ("/",)),
     ".cdl": ("/",),
     ".cde": ("/",),
-    ".eds": (";",),
-    ".dcf": (";",),
-    ".xml": ("<",),
+    **dict.fromkeys(TEXT_SUFFIXES, (";",)),
+    **dict.fromkeys((*XML_SUFFIXES, ".xml"), ("<",)),
 }
 _OTHER_MARKS = ("#",)
 

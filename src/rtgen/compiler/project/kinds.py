@@ -8,6 +8,7 @@ from functools import cache
 from pathlib import Path
 
 from rtgen.compiler.kit import plugins
+from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.encodings import MARKS
 from rtgen.facts.files import is_file, read_start
 from rtgen.facts.idl_files import IDL_SUFFIXES
@@ -15,10 +16,8 @@ from rtgen.facts.ros import INTERFACE_SUFFIXES, interface_beside
 
 FILE_NAME = "rtgen.toml"
 
-SUFFIXES = (*IDL_SUFFIXES, ".cdl", ".eds", ".dcf", *INTERFACE_SUFFIXES)
+SUFFIXES = (*IDL_SUFFIXES, ".cdl", *DEVICE_SUFFIXES, *INTERFACE_SUFFIXES)
 """Suffixes of definitions, in lower case."""
-
-XML_DEVICES = (".xdd", ".xdc", ".xpd")
 
 _BUS = re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
 _MAX_BUS_BYTES = 1024 * 1024

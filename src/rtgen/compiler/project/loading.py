@@ -17,7 +17,6 @@ from rtgen.compiler.lowering.settings import AdapterEntry, Settings
 from rtgen.compiler.project.kinds import (
     FILE_NAME,
     SUFFIXES,
-    XML_DEVICES,
     is_definition,
     is_system,
     searched,
@@ -425,11 +424,8 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
         return None  # given as a bus file: its reader reports errors
     if path.suffix.lower() == ".cde":
         return None  # written by the editor tecscde
-    if path.suffix.lower() in XML_DEVICES:
-        hint = (
-            "this is a CANopen device in XML (CiA 311): export it as an EDS, with CANopenEditor "
-            "for example"
-        )
+    if path.suffix.lower() == ".xpd":
+        hint = "an XPD is a profile for editors (CiA 311): call that of a device *.xdd"
     elif path.suffix.lower() == ".xml":
         hint = (
             "XML is read if it is a profile of OpenRTM or of a robot system: RtcProfile or "

@@ -17,6 +17,7 @@ from rtgen.compiler.model import Component, Model, NamedType, PortKind, SourceFi
 from rtgen.compiler.model.rtc_profile import RtcProfile
 from rtgen.compiler.project import Project, load, with_arguments
 from rtgen.compiler.typemap.components.parameters import Parameters
+from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.files import in_folder
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.openrtm import python_modules
@@ -24,7 +25,7 @@ from rtgen.openrtm.backend.plan import openrtm_port_name
 from rtgen.openrtm.backend.rules import OTHER_PROFILE
 
 _PROFILE = "RTC.xml"
-_WITH_TYPES = (*IDL_SUFFIXES, ".eds", ".dcf", ".toml")
+_WITH_TYPES = (*IDL_SUFFIXES, *DEVICE_SUFFIXES, ".toml")
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
 
 

@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.extras import installation
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.tools.can.access import BusAccess
@@ -19,7 +20,6 @@ from rtgen.tools.rpc.signatures import Peer, Wire
 if TYPE_CHECKING:
     from rtgen.tools.conformance.report import Report
 
-DESCRIPTIONS = (".eds", ".dcf")
 _BOARDS = (".cdl",)
 _COMPONENTS = (*IDL_SUFFIXES, ".xml", ".yaml", ".yml")
 
@@ -55,11 +55,11 @@ def is_of_node(file: Path | None, connect: str) -> bool:
     if file is None:
         return not _is_of_board(file, connect) and not _is_of_component(connect)
     suffix = file.suffix.lower()
-    if suffix not in (*DESCRIPTIONS, *_BOARDS, *_COMPONENTS):
+    if suffix not in (*DEVICE_SUFFIXES, *_BOARDS, *_COMPONENTS):
         raise Refusal(
-            f"{file} is not an EDS, a DCF, a CDL file or the definition of a component"
+            f"{file} is not a description of a device, a CDL file or the definition of a component"
         )
-    return suffix in DESCRIPTIONS
+    return suffix in DEVICE_SUFFIXES
 
 
 def _is_of_board(file: Path | None, connect: str) -> bool:

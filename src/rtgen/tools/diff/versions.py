@@ -18,9 +18,10 @@ from rtgen.compiler.model import (
     Struct,
     Union,
 )
+from rtgen.facts.device_files import DEVICE_SUFFIXES
 
 _SHIPPED = ("Canopen.idl", "CanopenManager.idl")
-_DERIVED = (".eds", ".dcf", ".cdl", ".cde", ".toml")
+_DERIVED = (*DEVICE_SUFFIXES, ".cdl", ".cde", ".toml")
 
 
 def _unchanged(span: Span) -> Span:

@@ -17,6 +17,7 @@ from pygls.uris import from_fs_path, to_fs_path
 
 from rtgen.compiler.project import FILE_NAME
 from rtgen.facts.decoded_text import encoded
+from rtgen.facts.device_files import TEXT_SUFFIXES, XML_SUFFIXES
 from rtgen.facts.encodings import Encoded, decode
 from rtgen.facts.file_names import MAX_PATH, problem
 from rtgen.facts.files import UnreadableError, absolute_path, read_file
@@ -40,6 +41,7 @@ class Language(StrEnum):
     IDL = "idl"
     CDL = "cdl"
     EDS = "eds"
+    XDD = "xdd"
     BUS = "toml"
     PROJECT = "rtgen.toml"
     PROFILE = "xml"
@@ -49,8 +51,8 @@ _SUFFIXES = {
     **dict.fromkeys(IDL_SUFFIXES, Language.IDL),
     ".cdl": Language.CDL,
     ".cde": Language.CDL,
-    ".eds": Language.EDS,
-    ".dcf": Language.EDS,
+    **dict.fromkeys(TEXT_SUFFIXES, Language.EDS),
+    **dict.fromkeys(XML_SUFFIXES, Language.XDD),
     ".toml": Language.BUS,
     ".xml": Language.PROFILE,
     ".yaml": Language.PROFILE,

@@ -45,7 +45,7 @@ MAX_DEBOUNCE = 1.0
 IDLE = 0.5
 """Seconds without an edit after an analysis before the back ends run."""
 
-_WATCHED = ("idl", "inc", "cdl", "cde", "h", "eds", "dcf", "toml", "xml", "yaml", "yml")
+_WATCHED = "idl inc cdl cde h eds dcf xdd xdc toml xml yaml yml".split()
 
 T = TypeVar("T")
 

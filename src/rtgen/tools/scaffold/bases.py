@@ -55,6 +55,7 @@ class _Kind(msgspec.Struct, frozen=True):
 
     name: str
     file: str
+    suffix: str
     data: bytes
     device: Device
 
@@ -82,7 +83,7 @@ def create(
         settings = _settings(forms, package, folder, complete=False)
         writing.write([*files, settings])
         for kind in kinds:
-            copy = folder / "definitions" / f"{kind.file}.eds"
+            copy = folder / "definitions" / f"{kind.file}{kind.suffix}"
             write_atomically(copy, kind.data)
         (folder / "systems").mkdir()
         writing.write(_parts(forms, load(folder), kinds, stamped))
@@ -120,7 +121,7 @@ def _first_files(
         kinds=[
             {
                 "name": kind.name,
-                "file": kind.file,
+                "file": f"{kind.file}{kind.suffix}",
                 "synchronous": [*_synchronous(kind.device)],
             }
             for kind in kinds
@@ -208,7 +209,8 @@ def _kinds(paths: Sequence[Path]) -> list[_Kind]:
         stem = module_name(device_module(path.stem))
         if any(kind.file == stem for kind in kinds):
             stem = f"{stem}_{side}"
-        kinds.append(_Kind(side if len(paths) > 1 else "drive", stem, data, device))
+        name = side if len(paths) > 1 else "drive"
+        kinds.append(_Kind(name, stem, path.suffix.lower(), data, device))
     if findings:
         raise InputError(findings)
     if len(kinds) == 1:

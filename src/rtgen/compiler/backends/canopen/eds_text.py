@@ -33,6 +33,7 @@ from rtgen.compiler.model.canopen import (
 BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
 """CiA 301's bit rates in kbit/s, each with a key in the file."""
 
+LISTS = ("MandatoryObjects", "OptionalObjects", "ManufacturerObjects")
 _MANDATORY = (0x1000, 0x1001, 0x1018)
 _SUB_OBJECT = re.compile(r"[0-9A-F]{4}sub[0-9A-F]+")
 _MANUFACTURER = range(0x2000, 0x6000)
@@ -58,7 +59,7 @@ def eds_text(
     `header` are lines of comment, `remarks` those before sections, by their names.
     """
     lines = [f"; {line}" for line in header]
-    for name, pairs in _sections(device):
+    for name, pairs in sections(device):
         if lines and not _SUB_OBJECT.fullmatch(name):
             lines.append("")
         if name in remarks:
@@ -68,7 +69,8 @@ def eds_text(
     return "\n".join(lines) + "\n"
 
 
-def _sections(device: Device) -> Iterator[_Section]:
+def sections(device: Device) -> Iterator[_Section]:
+    """Yield the sections of a device with their keys and values."""
     yield "FileInfo", list(_file_info(device.file_info))
     yield "DeviceInfo", list(_device_info(device.info))
     if device.commissioning is not None:
@@ -79,11 +81,7 @@ def _sections(device: Device) -> Iterator[_Section]:
         comments = device.comments.split("\n")
         numbered = [(f"Line{n}", line) for n, line in enumerate(comments, 1)]
         yield "Comments", [("Lines", str(len(comments))), *numbered]
-    lists: dict[str, list[Object]] = {
-        "MandatoryObjects": [],
-        "OptionalObjects": [],
-        "ManufacturerObjects": [],
-    }
+    lists: dict[str, list[Object]] = {name: [] for name in LISTS}
     for thing in device.objects:
         lists[_list_of(thing.index)].append(thing)
     for name, members in lists.items():

@@ -95,7 +95,7 @@ SCHEMA: dict[str, Any] = {
                 {
                     "eds": {
                         "type": "string",
-                        "description": "EDS or DCF, relative to the bus file.",
+                        "description": "EDS, DCF, XDD or XDC, relative to the bus file.",
                     },
                     "name": {
                         "type": "string",

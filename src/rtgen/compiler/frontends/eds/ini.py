@@ -75,26 +75,31 @@ class Section(msgspec.Struct, eq=False):
 
 
 class Document(msgspec.Struct, eq=False):
-    """A file as text, and as sections by lower-case name, in order."""
+    """A file as text, and as sections by lower-case name, in order.
+
+    `headers` are the lines that sections begin in, with their names; of a text in sections they
+    are determined when needed. `inline`: a section has keys in that line, too.
+    """
 
     file: str
     text: str
     sections: dict[str, Section]
-    _headers: list[tuple[int, str]] | None = None
+    headers: list[tuple[int, str]] | None = None
+    inline: bool = False
 
     def section_at(self, line: int) -> str | None:
-        """Return the name of the section that contains a line; None for a header."""
-        if self._headers is None:
-            self._headers = [
+        """Return the name of the section that contains a line; None for a header of a text."""
+        if self.headers is None:
+            self.headers = [
                 (number, match[1].strip())
                 for number, text in enumerate(self.text.split("\n"), 1)
                 if text.lstrip()[:1] == "[" and (match := _HEADER.fullmatch(text))
             ]
-        at = bisect_left(self._headers, (line, "")) - 1
-        following = self._headers[at + 1 : at + 2]
-        if at < 0 or (following and following[0][0] == line):
+        at = bisect_left(self.headers, (line + self.inline, "")) - 1
+        following = self.headers[at + 1 : at + 2]
+        if at < 0 or (not self.inline and following and following[0][0] == line):
             return None
-        return self._headers[at][1]
+        return self.headers[at][1]
 
     @property
     def start(self) -> Span:

@@ -31,6 +31,13 @@ _DIGITS: Final = str.maketrans("OoQlIiZzSs", "0001112255")
 """Letters that look like digits."""
 
 
+def list_of(index: int) -> str:
+    """Return the list that an object belongs to (CiA 306, 4.6.2)."""
+    if index in MANDATORY:
+        return LISTS[0]
+    return LISTS[2] if 0x2000 <= index <= 0x5FFF else LISTS[1]
+
+
 def check_count(section: Section, key: str, count: int, findings: Findings) -> None:
     """Report a missing count, or one that differs from the number of entries."""
     entry = section.get(key)
@@ -152,11 +159,7 @@ def _check_entry(
     if index not in described:
         message = f"there is no section [{index:04X}]"
         findings.add(information.NOT_THERE, span, message)
-    right = LISTS[1]
-    if index in MANDATORY:
-        right = LISTS[0]
-    elif 0x2000 <= index <= 0x5FFF:
-        right = LISTS[2]
+    right = list_of(index)
     if name != right and index >= 0x1000:
         kind = right.removesuffix("objects")
         message = f"{index:04X}h is one of the {kind} objects"

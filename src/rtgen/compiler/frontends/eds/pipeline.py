@@ -1,4 +1,4 @@
-"""The EDS front end: reads EDS and DCF files into devices and diagnostics."""
+"""The EDS front end: reads EDS, DCF, XDD and XDC files into devices and diagnostics."""
 
 from __future__ import annotations
 
@@ -6,14 +6,14 @@ import re
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import lru_cache
-from pathlib import Path
+from pathlib import Path, PurePath
 
 import msgspec
 from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import Diagnostic, in_order
 from rtgen.compiler.frontends import FrontendResult
-from rtgen.compiler.frontends.eds import cob_ids, ini, keys, lists
+from rtgen.compiler.frontends.eds import cob_ids, ini, keys, lists, xdd
 from rtgen.compiler.frontends.eds.compact_pdo import implied
 from rtgen.compiler.frontends.eds.findings import Findings
 from rtgen.compiler.frontends.eds.information import Information
@@ -36,6 +36,7 @@ from rtgen.compiler.model.canopen import (
     Object,
 )
 from rtgen.compiler.typemap.canopen.names import module_name
+from rtgen.facts.device_files import XML_SUFFIXES, is_configured
 from rtgen.facts.encodings import Encoded, digest
 
 _ETHERNET_IP = re.compile(r"^\s*VendCode\s*=.*;", re.MULTILINE)
@@ -98,7 +99,7 @@ class _Run(msgspec.Struct, eq=False):
             self._diagnostics.append,
             missing=lexical.MISSING_FILE,
             unreadable=lexical.UNREADABLE,
-            beside="*.[ed][dc][sf]",
+            beside="*.[edx][dc][sfdc]",
             apart=True,
         )
         if file is None:
@@ -125,11 +126,14 @@ def _read(
     """Read a device (None if the description has errors), the text, and the diagnostics.
 
     `encoding` is the known or the asked one of a file without a byte-order mark. `file` is the path
-    in diagnostics; the suffix `.dcf`, in any case, marks a DCF.
+    in diagnostics; its suffix tells the form (`facts.device_files`).
     """
     findings = Findings()
-    document = ini.read(data, file, findings, encoding)
-    if _ETHERNET_IP.search(document.text):
+    if PurePath(file).suffix.lower() in XML_SUFFIXES:
+        document = xdd.read(data, file, findings)
+    else:
+        document = ini.read(data, file, findings, encoding)
+    if not document.inline and _ETHERNET_IP.search(document.text):
         findings = Findings()  # no line means what CiA 306 says
         message = "this is an EDS of EtherNet/IP (CIP), not of CANopen"
         hint = "the two formats have no more in common than the suffix"
@@ -160,10 +164,10 @@ def _described(
     if not (sections.objects.heads or sections.objects.subs):
         message = "there is no object in this file"
         hint = "an EDS has sections such as [1000]"
-        if document.text.lstrip().startswith("<"):
-            hint = (
-                "this is XML: export an XDD as an EDS, with CANopenEditor for example"
-            )
+        if document.inline:
+            hint = "an XDD has a CANopenObject for each object"
+        elif document.text.lstrip().startswith("<"):
+            hint = "this is XML: call an XDD (CiA 311) *.xdd, an XDC *.xdc"
         findings.add(lexical.NO_DEVICE, document.start, message, hint=hint)
         return None
     keys.check(sections, findings)
@@ -176,7 +180,7 @@ def _device(
     findings: Findings,
     node_id: int | None,
 ) -> Device:
-    dcf = document.file.lower().endswith(".dcf")
+    dcf = is_configured(PurePath(document.file))
     about = Information(document, sections, findings, dcf)
     about.check_sections()
     info = about.device_info()

@@ -126,19 +126,29 @@ def _label(data: bytes) -> tuple[str, bool]:
 
 
 _NO_XML = "profiles and systems are XML or YAML; rtgen generate accepts definitions"
+_CUT_OFF = (
+    expat.errors.codes[expat.errors.XML_ERROR_NO_ELEMENTS],
+    expat.errors.codes[expat.errors.XML_ERROR_UNCLOSED_TOKEN],
+    expat.errors.codes[expat.errors.XML_ERROR_UNCLOSED_CDATA_SECTION],
+    expat.errors.codes[expat.errors.XML_ERROR_PARTIAL_CHAR],
+)
 _NEWLINE = re.compile(r"\r\n?|\n")
 
 
-def parse(text: str, file: str) -> Element:
-    """Parse an XML text. Raises InputError with one located diagnostic."""
-    return _Builder(text, file).run()
+def parse(text: str, file: str, no_xml: str = _NO_XML) -> Element:
+    """Parse an XML text. Raises InputError with one located diagnostic.
+
+    `no_xml` is its hint for a text of another kind.
+    """
+    return _Builder(text, file, no_xml).run()
 
 
 class _Builder:
     """Builds the tree from expat's events."""
 
-    def __init__(self, text: str, file: str) -> None:
+    def __init__(self, text: str, file: str, no_xml: str) -> None:
         self._text = text
+        self._no_xml = no_xml
         self._file = file
         self._data = text.encode("utf-8", errors="replace")
         self._lines = LineTable(file, text, _NEWLINE)
@@ -159,7 +169,11 @@ class _Builder:
             message = expat.ErrorString(error.code)
             place = self._span(self._offset(error.lineno, error.offset), 1)
             is_xml = self._text.lstrip("\ufeff \t\r\n").startswith("<")
-            hint = None if is_xml else _NO_XML
+            hint = None if is_xml else self._no_xml
+            if self._open and error.code in _CUT_OFF:
+                last = self._open[-1]
+                message = f"the file ends inside of <{last.name[1]}>"
+                hint = f"it is cut off: the element begins in line {last.span.line}"
             raise InputError(
                 [MALFORMED.at(place, f"not well-formed XML: {message}", hint=hint)]
             ) from None
@@ -182,7 +196,7 @@ class _Builder:
         raise InputError([rule.at(self._span(self._here(), length), message)])
 
     def _doctype(self, *_: object) -> None:
-        message = "a profile has no document type declaration"
+        message = "document type declarations are not read"
         self._refuse(DOCTYPE, message, len("<!DOCTYPE"))
 
     def _start(self, name: str, attributes: dict[str, str]) -> None:

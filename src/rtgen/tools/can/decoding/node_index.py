@@ -1,4 +1,4 @@
-"""Index of the nodes and objects on a bus, from a bus file or from EDS and DCF files."""
+"""Index of the nodes and objects on a bus, from a bus file or from descriptions of devices."""
 
 from __future__ import annotations
 
@@ -14,6 +14,7 @@ from rtgen.compiler.model.can_bus import Bus
 from rtgen.compiler.model.canopen import Access, Device, Value, resolved
 from rtgen.compiler.typemap.canopen.names import field_names
 from rtgen.compiler.typemap.canopen.values import kind
+from rtgen.facts.device_files import is_device_file
 from rtgen.runtime.canopen.description import Kind
 from rtgen.tools.can.decoding.drive_text import PROFILE, drive_words, value_names
 from rtgen.tools.kit.exits import Refusal
@@ -234,7 +235,7 @@ def _check_suffixes(
     bus_file: Path | None, descriptions: Sequence[tuple[int | None, Path]]
 ) -> None:
     """Raise Refusal if a bus file and a description have been swapped."""
-    if bus_file is not None and bus_file.suffix.lower() in (".eds", ".dcf"):
+    if bus_file is not None and is_device_file(bus_file):
         raise Refusal(f"--bus {bus_file}: that describes one node: --eds NODE-ID=FILE")
     for _, path in descriptions:
         if path.suffix.lower() == ".toml":

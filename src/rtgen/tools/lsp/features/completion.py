@@ -17,6 +17,7 @@ from rtgen.compiler.frontends.cdl.syntax import keywords as cdl_keywords
 from rtgen.compiler.frontends.idl.names.annotation_definitions import DEFINITIONS
 from rtgen.compiler.kit.resources import IDL_FILES
 from rtgen.compiler.typemap.idl_keywords import CORBA_3, RESERVED
+from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.tools.indexing.index import Definition, Index, Kind
 from rtgen.tools.lsp.documents import Language
@@ -102,6 +103,8 @@ def _proposed(view: View, line: str, offset: int) -> Iterator[CompletionItem]:
             return _bus(view, line, offset)
         case Language.PROJECT:
             return _project(view, line, offset)
+        case Language.XDD:
+            return iter(())
         case Language.EDS:
             return iter(() if "=" in line else map(_property, _EDS_KEYS))
         case Language.PROFILE:
@@ -251,7 +254,7 @@ def _bus(view: View, line: str, offset: int) -> Iterator[CompletionItem]:
         definitions = [d for _, d in view.index.all() if d.kind is Kind.DEVICE]
         yield from map(_item, definitions)
     elif name.strip() == "eds":
-        for path in _files(view, (".eds", ".dcf"), ""):
+        for path in _files(view, DEVICE_SUFFIXES, ""):
             yield CompletionItem(path.name, kind=CompletionItemKind.File)
     elif table[:1] == ("device",) and len(table) == 2:
         yield from _objects(view, table[1])

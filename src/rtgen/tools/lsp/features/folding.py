@@ -29,7 +29,7 @@ def folding(view: View) -> list[FoldingRange]:
     match view.language:
         case Language.IDL | Language.CDL:
             ranges = [*_braces(text), *_runs(text, _INCLUDE, FoldingRangeKind.Imports)]
-        case Language.PROFILE:
+        case Language.PROFILE | Language.XDD:
             ranges = [*_tags(text)]
         case _:
             ranges = [*_sections(text)]

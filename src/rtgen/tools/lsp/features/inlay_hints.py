@@ -53,7 +53,9 @@ def _of_structs(view: View, low: int, high: int) -> Iterator[tuple[int, str]]:
 
 def _of_pdos(view: View) -> Iterator[tuple[int, str]]:
     """Yield a hint after each entry of a PDO mapping: the object, its first bit and length."""
-    if view.analysis is None or view.file is None or view.language is not Language.EDS:
+    if view.analysis is None or view.file is None:
+        return
+    if view.language not in (Language.EDS, Language.XDD):
         return
     shift = view.shift
     for device in view.analysis.model.devices:

@@ -8,6 +8,7 @@ from rtgen.compiler.frontends.eds.rules import (
     objects,
     pdos,
     values,
+    xml,
 )
 
 RULES: tuple[Rule, ...] = (
@@ -17,6 +18,7 @@ RULES: tuple[Rule, ...] = (
     *values.RULES,
     *pdos.RULES,
     *modules.RULES,
+    *xml.RULES,
 )
 
 _ABOUT_SERVICES = (
