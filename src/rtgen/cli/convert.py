@@ -1,4 +1,4 @@
-"""The command `rtgen convert`: writes a component, a system or a bus in another form."""
+"""The command `rtgen convert`: writes a component, system, bus or device in another form."""
 
 from __future__ import annotations
 
@@ -9,7 +9,9 @@ import click
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.compiler.project import is_bus_file
+from rtgen.facts.device_files import is_device_file
 from rtgen.tools.can.dbc.conversion import OF_BUSES, converted_bus
+from rtgen.tools.can.descriptions.conversion import OF_DEVICES, converted_device
 from rtgen.tools.components.conversion import OF_COMPONENTS, OF_SYSTEMS, converted
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
@@ -20,9 +22,10 @@ from rtgen.tools.kit.exits import OK
 @click.option(
     "--to",
     "to",
-    type=click.Choice((*OF_COMPONENTS, *OF_SYSTEMS, *OF_BUSES)),
+    type=click.Choice((*OF_COMPONENTS, *OF_SYSTEMS, *OF_BUSES, *OF_DEVICES)),
     metavar="FORM",
-    help="idl, rtc-xml, rtc-yaml, rts-xml, rts-yaml, dbc; by default the natural other one.",
+    help="idl, rtc-xml, rtc-yaml, rts-xml, rts-yaml, dbc, eds, dcf, xdd, xdc; by default the natural "
+    "other one.",
 )
 @click.option(
     "--component",
@@ -37,6 +40,12 @@ from rtgen.tools.kit.exits import OK
     metavar="DIR",
     help="Search DIR for included files and for types of ports.",
 )
+@click.option(
+    "--node-id",
+    type=click.IntRange(1, 127),
+    metavar="N",
+    help="The node-id in a DCF or XDC.",
+)
 @with_console
 def convert(
     console: Console,
@@ -45,16 +54,20 @@ def convert(
     component: str | None,
     output: str | None,
     include: tuple[str, ...],
+    node_id: int | None,
 ) -> int:
-    """Convert a component, a system or a bus to another format, on standard output.
+    """Convert a component, a system, a bus or a device to another format, on standard output.
 
     FILE is a definition with a component (*.idl), an RtcProfile (RTC.xml, or the YAML that
     rtc-template writes), an RtsProfile (XML, or the YAML of rtshell), a bus file (*.toml), or a
     module of OpenRTM-aist-Python (*.py), generated or written by hand: nothing of it is executed,
     and what only running it would tell is reported. A profile of the wanted format is copied
-    unchanged.
+    unchanged. A description of a device (*.eds, *.dcf, *.xdd, *.xdc) is written so that other
+    tools read it; what was changed for that, and why, is listed.
     """
-    if is_bus_file(Path(file)):
+    if is_device_file(Path(file)) and to in (None, *OF_DEVICES):
+        result = converted_device(console, Path(file), to, node_id)
+    elif is_bus_file(Path(file)):
         result = converted_bus(console, Path(file), to)
     else:
         result = converted(console, file, to, component, include)

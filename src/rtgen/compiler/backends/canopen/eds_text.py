@@ -15,6 +15,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TypeAlias
 
+from rtgen.compiler.backends.canopen.portable_eds import Portable
 from rtgen.compiler.backends.kit.quoting.properties import eds_line
 from rtgen.compiler.model.canopen import (
     SIGNED,
@@ -53,17 +54,23 @@ def eds_text(
     device: Device,
     header: Sequence[str] = (),
     remarks: Mapping[str, str] = MappingProxyType({}),
+    portable: bool = False,
 ) -> str:
     """Return the file of a device: a DCF if it has a commissioning.
 
-    `header` are lines of comment, `remarks` those before sections, by their names.
+    `header` are lines of comment, `remarks` those before sections, by their names. `portable`:
+    lines that strict readers refuse are comments with a mark, which rtgen reads (`portable_eds`).
     """
-    lines = [f"; {line}" for line in header]
+    lines = [eds_line(f"; {line}") for line in header]
+    hidden = Portable(device) if portable else None
     for name, pairs in sections(device):
         if lines and not _SUB_OBJECT.fullmatch(name):
             lines.append("")
         if name in remarks:
             lines.append(eds_line(f"; {remarks[name]}"))
+        if hidden is not None:
+            lines += map(eds_line, hidden.lines(name, pairs))
+            continue
         lines.append(f"[{name}]")
         lines += [eds_line(f"{key}={value}") for key, value in pairs]
     return "\n".join(lines) + "\n"

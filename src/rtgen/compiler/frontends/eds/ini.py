@@ -21,6 +21,7 @@ _KEY = re.compile(r"\s*([^=]*?)\s*=\s*(.*?)\s*", re.DOTALL)
 _KEY_WITH_COLON = re.compile(r"\s*(\w+)\s*:\s*(.*?)\s*", re.DOTALL)
 _HEADER = re.compile(r"\s*\[+([^\[\]]*)\]*\s*(.*?)\s*", re.DOTALL)
 _CLEAN_HEADER = re.compile(r"\s*\[[^\[\]]*\]\s*")
+_KEPT = re.compile(r"\s*;\s*rtgen:\s+(?=\[|\w+=)(.*)", re.DOTALL)
 _NOT_ASCII = re.compile(r"[^\x00-\x7f]")
 _PATH = re.compile(r"[^\s=\[\]]+\.(?:eds|dcf)\s*", re.IGNORECASE)
 
@@ -178,6 +179,8 @@ class _Reader(msgspec.Struct, eq=False):
             stripped = line.lstrip()
             if stripped and stripped[0] != ";":
                 self._line(number, line, stripped[0])
+            elif stripped and (match := _KEPT.fullmatch(line)) is not None:
+                self._kept(number, line, match.start(1))
 
     def _line(self, number: int, line: str, first: str) -> None:
         if first == "[":
@@ -196,6 +199,16 @@ class _Reader(msgspec.Struct, eq=False):
         else:
             message = "this line is neither a section nor a key; it is ignored"
             self._findings.add(lexical.STRAY_LINE, self._whole(number, line), message)
+
+    def _kept(self, number: int, line: str, start: int) -> None:
+        """Read a line in a comment; its key comes before that of the section itself."""
+        text = " " * start + line[start:]
+        match = _KEY.fullmatch(text)
+        if match is None:
+            self._line(number, text, "[")
+        elif self._section is not None:
+            self._section.entries.pop(match[1].lower(), None)
+            self._entry(number, match)
 
     def _whole(self, number: int, line: str) -> Span:
         start = len(line) - len(line.lstrip()) + 1

@@ -78,6 +78,16 @@ class Outline(msgspec.Struct, eq=False):
     further: list[Section] = msgspec.field(default_factory=list)
 
 
+def standard_name(name: str) -> str:
+    """Return the name that CiA 306 has for a section of a name, in lower case."""
+    plain = _OTHER_NAMES.get(name.lower(), name.lower())
+    match = _OBJECT.fullmatch(plain)
+    if match is None or (len(match[2]) < 4 and not match[1]):
+        return plain
+    sub = "" if match[3] is None else f"sub{int(match[3], 16):x}"
+    return f"{int(match[2], 16):04x}{sub}{match[4] or ''}"
+
+
 def outline(document: Document, findings: Findings) -> Outline:
     """Sort the sections of a file."""
     result = Outline()

@@ -1,0 +1,1 @@
+"""Descriptions of devices, converted between EDS, DCF, XDD and XDC, and repaired."""
