@@ -53,8 +53,9 @@ def conformance(
     """Test a CANopen node, a TECS board or a running RT component against its definition.
 
     FILE is an EDS, DCF, XDD or XDC, a CDL file, or an IDL file or RTC.xml; without it, the
-    definition is that in the project's [sources]. Nothing moves, no function is called, and nothing is activated or configured unless --actuate permits it. A node ends in
-    PRE-OPERATIONAL with its former values. Exit code 1: a check has failed.
+    definition is that in the project's [sources]. Nothing moves, no function is called, and nothing
+    is activated or configured unless --actuate permits it. A node ends in PRE-OPERATIONAL with its
+    former values. Exit code 1: a check has failed.
     """
     from rtgen.tools.conformance import report as reports
     from rtgen.tools.conformance.testing import is_of_node, tested

@@ -24,8 +24,8 @@ from rtgen.tools.kit.exits import OK
     "to",
     type=click.Choice((*OF_COMPONENTS, *OF_SYSTEMS, *OF_BUSES, *OF_DEVICES)),
     metavar="FORM",
-    help="idl, rtc-xml, rtc-yaml, rts-xml, rts-yaml, dbc, eds, dcf, xdd, xdc; by default the natural "
-    "other one.",
+    help="idl, rtc-xml, rtc-yaml, rts-xml, rts-yaml, dbc, eds, dcf, xdd, xdc; by default the "
+    "natural other one.",
 )
 @click.option(
     "--component",

@@ -45,7 +45,7 @@ MAX_DEBOUNCE = 1.0
 IDLE = 0.5
 """Seconds without an edit after an analysis before the back ends run."""
 
-_WATCHED = "idl inc cdl cde h eds dcf xdd xdc toml xml yaml yml".split()
+_WATCHED = "idl,inc,cdl,cde,h,eds,dcf,xdd,xdc,toml,xml,yaml,yml"
 
 T = TypeVar("T")
 
@@ -301,7 +301,7 @@ def _add_documents(server: Server) -> None:
         workspace = server.client_capabilities.workspace
         watched = None if workspace is None else workspace.did_change_watched_files
         if watched is not None and watched.dynamic_registration:
-            pattern = f"**/*.{{{','.join(_WATCHED)}}}"
+            pattern = f"**/*.{{{_WATCHED}}}"
             options = types.DidChangeWatchedFilesRegistrationOptions(
                 watchers=[types.FileSystemWatcher(glob_pattern=pattern)]
             )
