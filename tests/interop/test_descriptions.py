@@ -62,7 +62,7 @@ def objects(device: Device, configured: bool) -> dict[int, Any]:
 
 
 def device_of(path: Path) -> Device:
-    device = read(path)
+    device: Device | None = read(path)
     if device is None:
         pytest.skip("a file with errors gives no device")
     return device

@@ -42,8 +42,8 @@ def inspect(
 
     PATH is a definition file (*.idl, *.cdl, *.eds, *.dcf, *.xdd, *.xdc, RTC.xml, a bus file
     *.toml), a folder of them, or a system (RtsProfile, XML or YAML), which is checked against
-    definitions beside it. The default is the sources of rtgen.toml. If the input has errors, only the errors are printed;
-    --json also prints the readable part, and includes the diagnostics.
+    definitions beside it. The default is the sources of rtgen.toml. If the input has errors, only
+    the errors are printed; --json also prints the readable part, and includes the diagnostics.
     """
     profiles = [p for p in definitions.paths if _is_system(Path(p))]
     others = tuple(p for p in definitions.paths if p not in profiles)
