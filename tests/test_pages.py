@@ -28,8 +28,13 @@ from pages import (
 
 from rtgen.cli import SECTIONS, application
 
-LONG = frozenset({"canopen", "experiments", "reference-build"})
-"""Pages with runs of whole systems and networks, which other tests run, too."""
+LONG = frozenset(
+    {
+        *("base-for-ros2", "canopen", "experiments", "recording", "reference-build"),
+        *("templates", "tutorial"),
+    }
+)
+"""Pages with runs of whole systems and networks, or many commands, which other tests run, too."""
 README = ROOT / "README.md"
 START = (
     *("first-component", "first-board", "first-can-device", "first-system"),

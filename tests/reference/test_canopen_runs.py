@@ -116,7 +116,10 @@ class States:
     ("file", "base", "nodes", "end"),
     [
         (BEEGO, "RefHardRh3Canopen0", (1, 2), (3.4, 7.7, -1.57)),
-        (FOURX, "RefHardFourX0", (1, 2, 3, 4), (0.8, 0.5, -1.57)),
+        pytest.param(
+            *(FOURX, "RefHardFourX0", (1, 2, 3, 4), (0.8, 0.5, -1.57)),
+            marks=pytest.mark.nightly,
+        ),
     ],
 )
 def test_the_base_reaches_its_goal(

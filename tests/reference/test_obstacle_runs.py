@@ -158,7 +158,8 @@ def test_a_hand_takes_over_and_the_base_goes_on_by_itself() -> None:
 
 
 @pytest.mark.parametrize(
-    "ahead", [0.9, pytest.param(1.0, marks=pytest.mark.nightly), 1.3]
+    "ahead",
+    [0.9, *(pytest.param(each, marks=pytest.mark.nightly) for each in (1.0, 1.3))],
 )
 def test_a_post_close_ahead_is_turned_from_and_passed(
     ahead: float, tmp_path: Path

@@ -83,7 +83,10 @@ def profile_truth() -> str:
     return dict(profile(LOCALIZED).properties)["rtgen.run.pose"]
 
 
-@pytest.mark.parametrize("target", [(1.3, 2.1, 0.4), (2.6, 1.2, -1.0)])
+@pytest.mark.parametrize(
+    "target",
+    [pytest.param((1.3, 2.1, 0.4), marks=pytest.mark.nightly), (2.6, 1.2, -1.0)],
+)
 def test_a_goal_between_the_nodes_of_the_map_is_driven_to(
     target: tuple[float, float, float],
 ) -> None:

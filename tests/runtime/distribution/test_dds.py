@@ -177,7 +177,9 @@ def test_a_program_of_cyclonedds_reads_and_drives_a_component(
     output, _ = peer.communicate(timeout=PATIENCE)
     assert json.loads(output) == [0, 1, 2, 3, 4]
     numbers = node.take()
-    assert numbers == [numbers[0] + n for n in range(len(numbers))]
+    assert numbers == sorted(set(numbers))
+    # What came while nobody took it has overflowed the buffer.
+    assert numbers[-1] - numbers[0] + 1 - len(numbers) <= node.inward.lost
     assert numbers[0] % 1 == 0.5
 
 

@@ -260,7 +260,7 @@ def test_a_provider_that_is_not_active_does_not_exist(
 def test_a_call_that_takes_too_long_times_out(start: Start, network: Any) -> None:
     there = start("b")
     there.activate("b")
-    with Process(network.medium(), "a", timeout=0.01) as here:
+    with Process(network.medium(), "a", timeout=0.2) as here:
         here.connect("a.taken", "b.given")
         until(lambda: here.transport.peers.description("b"))
         here.ready()

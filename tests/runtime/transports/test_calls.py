@@ -65,7 +65,7 @@ def hurried() -> Iterator[None]:
 @pytest.mark.usefixtures("hurried")
 @pytest.mark.parametrize(
     ("threads", "calls"),
-    [(4, 500), pytest.param(64, 30, marks=pytest.mark.nightly)],
+    [(4, 200), pytest.param(64, 30, marks=pytest.mark.nightly)],
 )
 def test_calls_of_many_threads_are_carried_out_once_each(
     join: Join, threads: int, calls: int

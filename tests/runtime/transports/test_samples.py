@@ -289,7 +289,7 @@ def test_subscriptions_come_and_go_while_samples_flow(join: Join) -> None:
     thread = threading.Thread(target=flood)
     thread.start()
     try:
-        for _ in range(40):
+        for _ in range(15):
             got = Samples()
             subscription = there.subscribe(TOPIC, Qos(depth=None), got.on_sample)
             until(lambda got=got: len(got) > 20)

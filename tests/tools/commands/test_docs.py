@@ -111,7 +111,16 @@ def test_the_site_of_a_golden_project_is_whole(
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize("folder", ["build/site", "site", "build/docs"])
+@pytest.mark.parametrize(
+    "folder",
+    [
+        "build/site",
+        *(
+            pytest.param(each, marks=pytest.mark.nightly)
+            for each in ("site", "build/docs")
+        ),
+    ],
+)
 def test_a_site_is_built_in_its_folder(
     folder: str,
     tmp_path: Path,

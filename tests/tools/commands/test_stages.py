@@ -8,6 +8,7 @@ import sys
 import threading
 from collections.abc import Iterator
 from io import StringIO
+from itertools import product
 from pathlib import Path
 
 import pytest
@@ -329,18 +330,36 @@ def test_pipes_have_no_progress(
     assert "\x1b" not in capfd.readouterr().err
 
 
-@pytest.mark.parametrize("tty", [True, False])
-@pytest.mark.parametrize("no_color", [None, "", "0"])
-@pytest.mark.parametrize("force_color", [None, "", "0"])
-@pytest.mark.parametrize("term", ["xterm", "dumb"])
+AT_ONCE = (
+    ("xterm", None, None, True),
+    ("xterm", None, None, False),
+    ("xterm", None, "0", True),
+    ("xterm", "0", "0", False),
+    ("xterm", "0", None, False),
+    ("xterm", "", "", True),
+    ("dumb", None, None, True),
+    ("dumb", "0", "", False),
+)
+"""Those that `make test` tries: each value at least once."""
+
+
+@pytest.mark.parametrize(
+    ("term", "force_color", "no_color", "tty"),
+    [
+        pytest.param(*each, marks=() if each in AT_ONCE else pytest.mark.nightly)
+        for each in product(
+            ("xterm", "dumb"), (None, "", "0"), (None, "", "0"), (True, False)
+        )
+    ],
+)
 def test_colours_are_those_of_rich(
     project: Path,
     terminal: Terminal,
     monkeypatch: pytest.MonkeyPatch,
-    tty: bool,
-    no_color: str | None,
-    force_color: str | None,
     term: str,
+    force_color: str | None,
+    no_color: str | None,
+    tty: bool,
 ) -> None:
     """Colours of findings, and of rich's output to the same stream."""
     monkeypatch.setenv("TERM", term)

@@ -43,7 +43,7 @@ def test_a_range_loses_nothing() -> None:
 
 @pytest.mark.random
 def test_documentation_stays_with_its_declaration() -> None:
-    for number in cases(400):
+    for number in cases(150):
         text, language = layout(number)
         if language is not Language.IDL:
             continue

@@ -262,7 +262,7 @@ def test_texts_and_messages_that_are_too_long_are_refused(
 def test_a_page_that_floods_waits_for_the_others(served: Server) -> None:
     tokens = served.tokens
     ends = ui.Command.of_ends(ui.PortAddress("Odometry0", "OdometryPosition"))
-    many = 2000
+    many = 1000
     with (
         opened(served, tokens.read_only) as flooding,
         opened(served, tokens.read_only) as other,

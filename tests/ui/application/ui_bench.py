@@ -152,7 +152,9 @@ def by_keyboard(button: Any) -> None:
     button.page.keyboard.press("Enter")
 
 
-by_both_hands = pytest.mark.parametrize("press", [by_mouse, by_keyboard])
+by_both_hands = pytest.mark.parametrize(
+    "press", [by_mouse, pytest.param(by_keyboard, marks=pytest.mark.nightly)]
+)
 """Runs a test with each way to press a button."""
 
 
