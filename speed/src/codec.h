@@ -136,6 +136,56 @@ ALWAYS uint64_t swap64(uint64_t n) {
     return (uint64_t)swap32((uint32_t)n) << 32 | swap32((uint32_t)(n >> 32));
 }
 
+enum { HAS_NUL = 1, HAS_HIGH = 2 };
+
+ALWAYS int seen_in(uint64_t word) {
+    const uint64_t ones = 0x0101010101010101u, highs = 0x8080808080808080u;
+    int high = (word & highs) != 0, nul = ((word - ones) & ~word & highs) != 0;
+    return high * HAS_HIGH | nul * HAS_NUL;
+}
+
+/* Returns whether NUL and octets beyond ASCII are among the octets. */
+ALWAYS int scan(const char *octets, Py_ssize_t count) {
+    uint64_t word;
+    int seen = 0;
+    if (count < 8) {
+        if (count >= 4) {  /* two words of four octets, which overlap */
+            uint32_t first, last;
+            memcpy(&first, octets, 4);
+            memcpy(&last, octets + count - 4, 4);
+            return seen_in((uint64_t)last << 32 | first);
+        }
+        for (Py_ssize_t i = 0; i < count; i++) seen |= !octets[i] * HAS_NUL | (octets[i] & 0x80) / 0x80 * HAS_HIGH;
+        return seen;
+    }
+    for (Py_ssize_t i = 0; i < count - 8; i += 8) {
+        memcpy(&word, octets + i, 8);
+        seen |= seen_in(word);
+    }
+    memcpy(&word, octets + count - 8, 8);
+    return seen | seen_in(word);
+}
+
+/* `memcpy` of octets that are mostly few. */
+ALWAYS void copy_few(char *at, const char *octets, Py_ssize_t count) {
+    if (count >= 4 && count <= 16) {
+        char first[8], last[8];
+        if (count < 8) {
+            memcpy(first, octets, 4);
+            memcpy(last, octets + count - 4, 4);
+            memcpy(at, first, 4);
+            memcpy(at + count - 4, last, 4);
+        } else {
+            memcpy(first, octets, 8);
+            memcpy(last, octets + count - 8, 8);
+            memcpy(at, first, 8);
+            memcpy(at + count - 8, last, 8);
+        }
+    } else {
+        memcpy(at, octets, count);
+    }
+}
+
 void swap_all(char *at, Py_ssize_t count, Py_ssize_t size);
 
 #endif

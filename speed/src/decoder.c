@@ -108,7 +108,24 @@ static PyObject *load_atom(Reader *r, const Node *node, const unsigned char *at)
     }
 }
 
-static PyObject *take_atom(Reader *r, const Node *node) {
+#define TAKE(kind, size) \
+    case kind: \
+        if (begin(r, node->align, size)) return NULL; \
+        r->position += size; \
+        return load(kind, r->data + r->position - size, r->swap)
+
+ALWAYS PyObject *take_atom(Reader *r, const Node *node) {
+    switch (node->kind) {
+    TAKE(UINT8, 1);
+    TAKE(INT16, 2);
+    TAKE(UINT16, 2);
+    TAKE(INT32, 4);
+    TAKE(UINT32, 4);
+    TAKE(INT64, 8);
+    TAKE(FLOAT32, 4);
+    TAKE(FLOAT64, 8);
+    default: break;
+    }
     if (begin(r, node->align, node->size)) return NULL;
     const unsigned char *at = r->data + r->position;
     r->position += node->size;
@@ -236,6 +253,16 @@ static PyObject *wide_text(const Node *node, const unsigned char *at, Py_ssize_t
     return text_of_units(at, size / 2, 2, PY_LITTLE_ENDIAN ? !little : little);
 }
 
+/* A string of octets before NUL. */
+ALWAYS PyObject *take_string(const char *octets, Py_ssize_t count) {
+    int seen = octets[count] ? HAS_NUL : scan(octets, count);
+    if (seen & HAS_NUL) return NULL;
+    if (seen || count < 2) return PyUnicode_DecodeUTF8(octets, count, "strict");
+    PyObject *text = PyUnicode_New(count, 127);
+    if (text != NULL) copy_few((char *)PyUnicode_1BYTE_DATA(text), octets, count);
+    return text;
+}
+
 static PyObject *take_text(Reader *r, const Node *node) {
     Py_ssize_t count = node->length;
     if (count < 0 && (take_count(r, &count) || (node->bound >= 0 && count > node->bound))) return NULL;
@@ -248,8 +275,7 @@ static PyObject *take_text(Reader *r, const Node *node) {
     case CHARACTERS: return PyUnicode_DecodeLatin1(octets, count, "strict");
     case STRING:
         if (!count) return PyUnicode_New(0, 0);
-        if (memchr(octets, 0, count) != octets + count - 1) return NULL;
-        return PyUnicode_DecodeUTF8(octets, count - 1, "strict");
+        return take_string(octets, count - 1);
     case WIDE_STRING: return wide_text(node, at, count);
     default: return count & 1 ? NULL : text_of_units(at, count / 2, 2, r->swap);
     }
@@ -316,7 +342,8 @@ static PyObject *take_struct(Reader *r, const Node *node) {
     }
     Py_ssize_t i;
     for (i = 0; i < node->count; i++) {
-        values[i] = take(r, node->members[i].node);
+        const Node *child = node->members[i].node;
+        values[i] = child->kind <= HOOK ? take_atom(r, child) : take(r, child);
         if (values[i] == NULL) break;
     }
     if (i == node->count) made = instance(node, values);

@@ -179,10 +179,27 @@ static int store_atom(Writer *w, const Node *node, PyObject *value) {
     }
 }
 
-static int put_atom(Writer *w, const Node *node, PyObject *value) {
-    if (begin(w, node->align, node->size) || store_atom(w, node, value)) return -1;
-    w->position += node->size;
-    return 0;
+#define PUT(kind, size) \
+    case kind: \
+        if (begin(w, node->align, size) || store(kind, w->at + w->position, value, w->swap)) return -1; \
+        w->position += size; \
+        return 0
+
+ALWAYS int put_atom(Writer *w, const Node *node, PyObject *value) {
+    switch (node->kind) {
+    PUT(UINT8, 1);
+    PUT(INT16, 2);
+    PUT(UINT16, 2);
+    PUT(INT32, 4);
+    PUT(UINT32, 4);
+    PUT(INT64, 8);
+    PUT(FLOAT32, 4);
+    PUT(FLOAT64, 8);
+    default:
+        if (begin(w, node->align, node->size) || store_atom(w, node, value)) return -1;
+        w->position += node->size;
+        return 0;
+    }
 }
 
 #define STORE_ALL(kind, size) \
@@ -304,12 +321,14 @@ static int put_bytes(Writer *w, const Node *node, PyObject *value) {
     return put_octets(w, octets, count);
 }
 
-static int put_utf8(Writer *w, const Node *node, const char *octets, Py_ssize_t count) {
-    if (count && memchr(octets, 0, count) != NULL) return -1;
-    if ((node->bound >= 0 && count + 1 > node->bound) || put_count(w, count + 1) || reserve(w, count + 1)) return -1;
-    memcpy(w->at + w->position, octets, count);
-    w->at[w->position + count] = 0;
-    w->position += count + 1;
+ALWAYS int put_utf8(Writer *w, const Node *node, const char *octets, Py_ssize_t count) {
+    if (scan(octets, count) & HAS_NUL || (node->bound >= 0 && count + 1 > node->bound)) return -1;
+    if (count >= UINT32_MAX || begin(w, 4, 4 + count + 1)) return -1;
+    char *at = w->at + w->position;
+    store32(at, (uint32_t)count + 1, w->swap);
+    copy_few(at + 4, octets, count);
+    at[4 + count] = 0;
+    w->position += 4 + count + 1;
     return 0;
 }
 
@@ -324,27 +343,38 @@ static int put_string(Writer *w, const Node *node, PyObject *value) {
     return failed;
 }
 
+ALWAYS void store_unit(char *at, Py_ssize_t place, uint16_t unit, int swap, int words) {
+    if (words) store32(at + 4 * place, unit, swap);
+    else store16(at + 2 * place, unit, swap);
+}
+
 /* Stores the UTF-16 units of a string, each in two or four octets; returns their number or -1. */
-static Py_ssize_t store_units(char *at, PyObject *value, int swap, int words) {
-    Py_ssize_t length = PyUnicode_GET_LENGTH(value), units = 0;
-    int kind = PyUnicode_KIND(value);
-    const void *data = PyUnicode_DATA(value);
+ALWAYS Py_ssize_t units_of(int kind, const void *data, Py_ssize_t length, char *at, int swap, int words) {
+    Py_ssize_t units = 0;
     for (Py_ssize_t i = 0; i < length; i++) {
         Py_UCS4 each = PyUnicode_READ(kind, data, i);
         if (!each || (each >= 0xD800 && each < 0xE000)) return -1;
-        uint16_t pair[2] = {(uint16_t)each, 0};
-        int count = 1;
         if (each > 0xFFFF) {
-            pair[0] = (uint16_t)(0xD800 + ((each - 0x10000) >> 10));
-            pair[1] = (uint16_t)(0xDC00 + ((each - 0x10000) & 0x3FF));
-            count = 2;
+            store_unit(at, units++, (uint16_t)(0xD800 + ((each - 0x10000) >> 10)), swap, words);
+            each = 0xDC00 + ((each - 0x10000) & 0x3FF);
         }
-        for (int j = 0; j < count; j++, units++) {
-            if (words) store32(at + 4 * units, pair[j], swap);
-            else store16(at + 2 * units, pair[j], swap);
-        }
+        store_unit(at, units++, (uint16_t)each, swap, words);
     }
     return units;
+}
+
+static Py_ssize_t store_units(char *at, PyObject *value, int swap, int words) {
+    Py_ssize_t length = PyUnicode_GET_LENGTH(value);
+    const void *data = PyUnicode_DATA(value);
+    switch (PyUnicode_KIND(value)) {
+    case PyUnicode_1BYTE_KIND:
+        if (swap || words) return units_of(PyUnicode_1BYTE_KIND, data, length, at, swap, words);
+        return units_of(PyUnicode_1BYTE_KIND, data, length, at, 0, 0);
+    case PyUnicode_2BYTE_KIND:
+        if (swap || words) return units_of(PyUnicode_2BYTE_KIND, data, length, at, swap, words);
+        return units_of(PyUnicode_2BYTE_KIND, data, length, at, 0, 0);
+    default: return units_of(PyUnicode_4BYTE_KIND, data, length, at, swap, words);
+    }
 }
 
 static int put_wide(Writer *w, const Node *node, PyObject *value) {
@@ -383,10 +413,11 @@ static int put_repeated(Writer *w, const Node *node, PyObject *value) {
     if (!PyList_CheckExact(value) && !PyTuple_CheckExact(value)) return -1;
     Py_ssize_t count = PySequence_Fast_GET_SIZE(value);
     if (node->length >= 0 ? count != node->length : (node->bound >= 0 && count > node->bound) || put_count(w, count)) return -1;
+    int strings = node->child->kind == TEXT && node->child->form == STRING;
     for (Py_ssize_t i = 0; i < count; i++) {
         if (PySequence_Fast_GET_SIZE(value) != count) return -1;
         PyObject *item = Py_NewRef(PySequence_Fast_GET_ITEM(value, i));
-        int failed = put(w, node->child, item);
+        int failed = strings ? put_string(w, node->child, item) : put(w, node->child, item);
         Py_DECREF(item);
         if (failed) return -1;
     }
@@ -419,9 +450,10 @@ ALWAYS PyObject *attribute(const Node *node, const Member *member, PyObject *val
 static int put_struct(Writer *w, const Node *node, PyObject *value) {
     if ((PyObject *)Py_TYPE(value) != node->type) return -1;
     for (Py_ssize_t i = 0; i < node->count; i++) {
+        const Node *child = node->members[i].node;
         PyObject *inner = attribute(node, &node->members[i], value);
         if (inner == NULL) return -1;
-        int failed = put(w, node->members[i].node, inner);
+        int failed = child->kind <= HOOK ? put_atom(w, child, inner) : put(w, child, inner);
         Py_DECREF(inner);
         if (failed) return -1;
     }
