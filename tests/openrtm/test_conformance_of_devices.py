@@ -59,7 +59,13 @@ def test_a_correct_device_passes(processes: Processes) -> None:
     ]
 
 
-@pytest.mark.parametrize("activity", ["PERIODIC", "SPORADIC", "EVENTDRIVEN"])
+@pytest.mark.parametrize(
+    "activity",
+    [
+        *(pytest.param(a, marks=pytest.mark.nightly) for a in ("PERIODIC", "SPORADIC")),
+        "EVENTDRIVEN",
+    ],
+)
 def test_an_activity_is_said(processes: Processes, activity: str) -> None:
     processes.device("Base0", f"activity={activity}")
     code, outcomes = outcomes_of(processes, f', activity="{activity}"')

@@ -53,7 +53,17 @@ def are_released(*found: LoggedProcess) -> bool:
     return all(one == other > 0 for one, other in counts)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+SIGNALS = pytest.mark.parametrize(
+    "number",
+    [
+        signal.SIGTERM,
+        pytest.param(signal.SIGINT, marks=pytest.mark.nightly),
+        pytest.param(signal.SIGHUP, marks=pytest.mark.nightly),
+    ],
+)
+
+
+@SIGNALS
 def test_a_signal(processes: Processes, number: signal.Signals) -> None:
     found = both(processes)
     run = begun(processes)
@@ -142,7 +152,7 @@ def test_a_page_that_is_closed(processes: Processes, naming_service: str) -> Non
     assert are_released(base, arm)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGHUP])
+@SIGNALS
 def test_rtgen_ui_ends_its_system_at_a_signal(
     processes: Processes, number: signal.Signals
 ) -> None:

@@ -75,19 +75,22 @@ class Teleop(Node):
         self.count("/diagnostics")
         self.diagnosed = {each.name: each.message for each in message.status}
 
+    @property
+    def is_well(self) -> bool:
+        """Whether the last diagnostics say so, and that the base stands."""
+        texts = {**self.diagnosed}
+        stands = "no velocity" in texts.pop("Base0: command", "")
+        return stands and {*texts.values()} <= {"enabled", "answers"}
+
 
 def main() -> None:
     rclpy.init()
     node = Teleop(stamped=sys.argv[1] == "stamped")
-    while not (
-        node.stands
-        and node.wheels_stand
-        and "no velocity" in node.diagnosed.get("Base0: command", "")
-    ):
+    while not (node.stands and node.wheels_stand and node.is_well):
         rclpy.spin_once(node, timeout_sec=0.1)
     # Those of both topics that tell of the base after it stood.
     enough = {t: node.received[t] + 3 for t in ("/odom", "/joint_states")}
-    while any(node.received[topic] < count for topic, count in enough.items()):
+    while not node.is_well or any(node.received[t] < n for t, n in enough.items()):
         rclpy.spin_once(node, timeout_sec=0.1)
     print(
         json.dumps(

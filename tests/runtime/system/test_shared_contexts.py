@@ -4,10 +4,12 @@ from __future__ import annotations
 
 import logging
 import math
+import threading
 from collections.abc import Callable
 from typing import Any
 
 import pytest
+from patience import PATIENCE
 
 from rtgen.runtime import (
     ACTIVE_STATE,
@@ -21,11 +23,14 @@ from rtgen.runtime import (
     ExecutionContext,
     ExecutionKind,
     LifeCycleState,
+    RealClock,
     ReturnCode_t,
 )
 from rtgen.runtime.errors import RateError
 from rtgen.runtime.rtc.execution_context import Undriven
 from rtgen.runtime.rtc.life_cycle import Request
+from rtgen.runtime.system.runner import Runner, Task
+from rtgen.runtime.timing.clocks import SECOND
 
 Calls = list[tuple[str, str, int]]
 
@@ -570,3 +575,21 @@ def test_only_a_periodic_context_has_a_rate(kind: ExecutionKind) -> None:
     context = ExecutionContext(kind=kind)
     assert context.set_rate(10.0) is ReturnCode_t.UNSUPPORTED
     assert context.get_kind() is kind
+
+
+def test_work_that_waits_at_the_end_of_a_run_is_removed_with_its_task() -> None:
+    inside, go_on = threading.Event(), threading.Event()
+    busy = Task("busy", SECOND, lambda: (inside.set(), go_on.wait(PATIENCE)))
+    other = Task("other", SECOND, lambda: None)
+    owner: Any = None
+    runner = Runner("runner", RealClock(), owner)
+    runner.add(busy, 0)
+    runner.add(other, 10**6 * SECOND)
+    runner.start()
+    assert inside.wait(PATIENCE)
+    runner.wake(other)
+    runner.halt()
+    go_on.set()
+    assert runner.stop()
+    assert runner.remove(other)
+    assert runner.remove(busy)

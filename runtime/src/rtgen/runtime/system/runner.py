@@ -416,6 +416,8 @@ class Runner:
             self._changed.notify_all()
             if self._stopped:
                 self._rest.clear()
+                for work in self._woken:
+                    work.is_waiting = False
                 self._woken.clear()
 
     def _await_row(self) -> bool:
