@@ -1,27 +1,27 @@
-/** CAN buses: load, nodes, frames in words, signals over time, emergencies. */
+/** CAN buses: frames in words, signals, emergencies, nodes, objects, load, sending. */
 
+import { Eraser, Pause, Rows3 } from "lucide-react";
+import type { CSSProperties, ReactNode } from "react";
 import { useState } from "react";
+import type { Curve } from "./curves.ts";
+import { filterOf } from "./filter.ts";
+import { Button, IconButton } from "./kit/Button.tsx";
+import type { Line } from "./lines.ts";
+import { linesOf } from "./lines.ts";
 import { Menu } from "./Menu.tsx";
 import type { Place } from "./Menu.tsx";
 import { Objects } from "./Objects.tsx";
-import type { Curve } from "./curves.ts";
 import { Plot, Span } from "./Plot.tsx";
+import type { Bus, SystemState } from "./protocol/Ui.ts";
 import { Send } from "./Send.tsx";
-import type { Line } from "./lines.ts";
-import { linesOf } from "./lines.ts";
-import type { Bus, Frame, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
-import { hexadecimal } from "./traffic.ts";
+import type { Seen } from "./traffic.ts";
+import { identifierOf, wordsOf } from "./traffic.ts";
 
 const SHOWN = 100;
+/** Number of signals that are plotted at the same time. */
+const PLOTTED = 8;
 const COMMANDS = ["start", "stop", "pre-operational", "reset-node", "reset-communication"];
-
-const identifier = (frame: Frame): string => frame.can_id.toString(16).toUpperCase().padStart(frame.extended ? 8 : 3, "0");
-
-/** A frame in words: names, values and units. */
-export function words(frame: Frame): string {
-  return frame.text || frame.fields.map((each) => `${each.name} = ${each.text}`).join(", ");
-}
 
 function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: boolean }) {
   const manage = (node_id: number, command: string) => store.order({ case: "managed", value: { bus: bus.name, node_id, command } });
@@ -40,30 +40,39 @@ function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: b
       NMT …
     </button>
   );
+  const last = new Map(store.traffic.emergencies.filter((each) => each.bus === bus.name).map((each) => [each.node_id, each]));
   return (
-    <>
+    <section aria-label="Nodes and NMT">
+      <h2>Nodes</h2>
+      <div className="nodes">
       <table aria-label="Nodes">
         <thead>
           <tr>
             <th scope="col">id</th>
             <th scope="col">node</th>
             <th scope="col">NMT state</th>
+            <th scope="col">last EMCY</th>
             <th scope="col">components</th>
             <th scope="col">{control(0, "all nodes")}</th>
           </tr>
         </thead>
         <tbody>
-          {(lines.find((each) => each.name === bus.name)?.nodes ?? []).map((node) => (
-            <tr key={node.id}>
-              <td>{node.id}</td>
-              <td className="text" title={bus.nodes.find((each) => each.node_id === node.id)?.device}>{node.name}</td>
-              <td className="text">{node.nmtState || "unknown"}</td>
-              <td className="text">{[...node.proxies, ...node.devices].join(", ")}</td>
-              <td>{control(node.id, node.name)}</td>
-            </tr>
-          ))}
+          {(lines.find((each) => each.name === bus.name)?.nodes ?? []).map((node) => {
+            const emergency = last.get(node.id);
+            return (
+              <tr key={node.id}>
+                <td>{node.id}</td>
+                <td className="text" title={bus.nodes.find((each) => each.node_id === node.id)?.device}>{node.name}</td>
+                <td className="text">{node.nmtState || "unknown"}</td>
+                <td className="text" title={emergency && `${emergency.time.toFixed(3)} s`}>{emergency ? wordsOf(emergency) : ""}</td>
+                <td className="text">{[...node.proxies, ...node.devices].join(", ")}</td>
+                <td>{control(node.id, node.name)}</td>
+              </tr>
+            );
+          })}
         </tbody>
       </table>
+      </div>
       {menu && (
         <Menu
           place={menu}
@@ -71,37 +80,77 @@ function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: b
           close={() => open(undefined)}
         />
       )}
-    </>
+    </section>
   );
 }
 
+const percent = (load: number): string => `${(100 * load).toFixed(1)} %`;
+
+/** The measured load beside the computed one. */
 function Load({ bus }: { bus: Bus }) {
+  const last = store.traffic.loads.get(bus.name)?.at(-1);
+  return (
+    <p className="toolbar load">
+      {bus.bit_rate > 0 && <span>{bus.bit_rate / 1000} kbit/s</span>}
+      {last ? (
+        <>
+          {bus.bit_rate > 0 && (
+            <>
+              <meter aria-label="Load of the bus" min={0} max={1} low={0.4} high={0.7} optimum={0} value={last.load} />
+              <span>load {percent(last.load)}</span>
+            </>
+          )}
+          <span>{last.frames} frames/s</span>
+        </>
+      ) : (
+        <span>load not measured yet</span>
+      )}
+      {bus.computed_load >= 0 && <span>computed {percent(bus.computed_load)}</span>}
+    </p>
+  );
+}
+
+function LoadPlot({ bus }: { bus: Bus }) {
   const read = (): Curve[] => {
     const loads = store.traffic.loads.get(bus.name) ?? [];
     const times = loads.map((each) => each.time);
     const curve = (key: string, colour: number, value: (load: number) => number): Curve => ({ key, name: key, unit: "%", times, values: loads.map((each) => 100 * value(each.load)), colour });
     return [curve("measured", 0, (load) => load), ...(bus.computed_load < 0 ? [] : [curve("computed", 1, () => bus.computed_load)])];
   };
-  const last = store.traffic.loads.get(bus.name)?.at(-1);
+  if (bus.bit_rate <= 0) return null;
   return (
-    <>
-      <p>
-        {bus.bit_rate > 0 && `${bus.bit_rate / 1000} kbit/s, `}
-        {last ? `${bus.bit_rate > 0 ? `load ${(last.load * 100).toFixed(1)} %, ` : ""}${last.frames} frames/s` : "load not measured yet"}
-        {bus.computed_load >= 0 && `, computed ${(bus.computed_load * 100).toFixed(1)} %`}
-      </p>
-      {bus.bit_rate > 0 && <Plot id={`load ${bus.name}`} read={read} label={`Load of ${bus.name} over time`} zero />}
-    </>
+    <section aria-label="Load">
+      <h2>Load</h2>
+      <Plot id={`load ${bus.name}`} read={read} label={`Load of ${bus.name} over time`} zero />
+    </section>
   );
 }
 
-function Frames({ frames, caption }: { frames: readonly Frame[]; caption: string }) {
+/** Octets in hexadecimal digits; those that differ from the frame before are marked. */
+function Octets({ seen: { frame, changed } }: { seen: Seen }) {
+  if (frame.remote) return "remote";
+  const digits = [...frame.data].map((octet) => octet.toString(16).padStart(2, "0"));
+  return digits.map((each, i) => (
+    <span key={i}>
+      {i > 0 && " "}
+      {changed[i] ? <mark>{each}</mark> : each}
+    </span>
+  ));
+}
+
+/** The widths of columns where the meaning of a frame is below its octets. */
+const PLAIN = "6em 5em 3.5em 6.5em 1fr";
+const COUNTED = "5.5em 3.5em 4em 4.5em 3em 5.5em 1fr";
+
+function Frames({ frames, caption, counted = false }: { frames: readonly Seen[]; caption: string; counted?: boolean }) {
   return (
     <div className="rows" tabIndex={0}>
-      <table aria-label={caption}>
+      <table aria-label={caption} className="frames" style={{ "--columns": counted ? COUNTED : PLAIN } as CSSProperties}>
         <thead>
           <tr>
             <th scope="col">time [s]</th>
+            {counted && <th scope="col">count</th>}
+            {counted && <th scope="col">ms</th>}
             <th scope="col">id</th>
             <th scope="col">node</th>
             <th scope="col">kind</th>
@@ -110,102 +159,161 @@ function Frames({ frames, caption }: { frames: readonly Frame[]; caption: string
           </tr>
         </thead>
         <tbody>
-          {frames.map((frame, i) => (
-            <tr key={i}>
-              <td>{frame.time.toFixed(4)}</td>
-              <td>{identifier(frame)}</td>
-              <td>{frame.node_id < 0 ? "" : frame.node_id}</td>
-              <td className="text">{frame.kind}</td>
-              <td className="octets">{frame.remote ? "remote" : hexadecimal(frame.data)}</td>
-              <td className="text">{words(frame)}</td>
-            </tr>
-          ))}
+          {frames.map((seen, i) => {
+            const { frame } = seen;
+            return (
+              <tr key={counted ? identifierOf(frame) : i}>
+                <td>{frame.time.toFixed(4)}</td>
+                {counted && <td>{seen.count}</td>}
+                {counted && <td>{Number.isNaN(seen.period) ? "" : (1000 * seen.period).toFixed(1)}</td>}
+                <td>{identifierOf(frame)}</td>
+                <td>{frame.node_id < 0 ? "" : frame.node_id}</td>
+                <td className="text">{frame.kind}</td>
+                <td className="octets">
+                  <Octets seen={seen} />
+                </td>
+                <td className="text">{wordsOf(frame)}</td>
+              </tr>
+            );
+          })}
         </tbody>
       </table>
     </div>
   );
 }
 
+const HELP = `Words, all of which a frame must have: tpdo1 node2
+id:181 id:180-1FF node:2 kind:tpdo* data:0102 len>4 time<3
+a field of a name: velocity>0.5
+a | b: one of them   !a: not   ( ): groups   "two words"`;
+
+/** The frames of a bus, the newest first, or the newest of each identifier. */
+function Traffic({ bus }: { bus: string }) {
+  const [filter, setFilter] = useState("");
+  const [held, hold] = useState<{ frames: readonly Seen[]; newest: readonly Seen[] }>();
+  const [counted, count] = useState(false);
+  const [since, clear] = useState(-Infinity);
+  const { traffic } = store;
+  const test = filterOf(filter);
+  const reason = typeof test === "string" ? test : "";
+  const now = () => ({ frames: [...traffic.frames], newest: [...traffic.newest.values()] });
+  const seen = held ?? { frames: traffic.frames, newest: counted ? [...traffic.newest.values()] : [] };
+  const matches = ({ frame }: Seen) => frame.bus === bus && frame.time > since && (typeof test === "string" || test(frame));
+  const all = (counted ? seen.newest : seen.frames).filter(matches);
+  const frames = counted ? all.sort((a, b) => a.frame.can_id - b.frame.can_id) : all.slice(-SHOWN).reverse();
+  return (
+    <section aria-label="Frames">
+      <div className="toolbar">
+        <label className="filter">
+          <span className="announced">Filter</span>
+          <input type="search" aria-label="Filter" title={HELP} aria-invalid={reason !== ""} value={filter} placeholder="Filter: tpdo1 node2, id:180-1FF, velocity>0.5" onChange={(e) => setFilter(e.target.value)} />
+        </label>
+        <Button icon={Rows3} title="One row for each identifier, with its period and what has changed" aria-pressed={counted} onClick={() => count(!counted)}>
+          By identifier
+        </Button>
+        <Button icon={Pause} title="Keep these frames on the page; the bus goes on" aria-pressed={held !== undefined} onClick={() => hold(held ? undefined : now())}>
+          Hold
+        </Button>
+        <IconButton icon={Eraser} look="plain" label="Clear frames" onClick={() => clear(traffic.frames.at(-1)?.frame.time ?? -Infinity)} />
+      </div>
+      {reason && <p className="reason">{reason}</p>}
+      <Frames frames={frames} caption="Frames" counted={counted} />
+      {!frames.length && <p className="empty">{filter || since > 0 ? "No frame matches." : "No frame has been seen yet."}</p>}
+    </section>
+  );
+}
+
+/** A whole number in hexadecimal digits, beside its meaning. */
+const hexOf = (value: number | undefined): string => (value !== undefined && Number.isInteger(value) ? `${value < 0 ? "-" : ""}0x${Math.abs(value).toString(16).toUpperCase()}` : "");
+
 function Signals({ bus }: { bus: string }) {
   const [chosen, choose] = useState<readonly string[]>([]);
+  const [filter, setFilter] = useState("");
   const { signals } = store.traffic;
-  const others = [...signals].filter(([key, signal]) => signal.bus === bus && !chosen.includes(key));
-  const shown = chosen.flatMap((key) => {
-    const signal = signals.get(key);
-    return signal ? [{ key, ...signal }] : [];
-  });
-  const read = (): Curve[] => chosen.flatMap((key, colour) => {
-    const signal = signals.get(key);
-    return signal ? [{ key, name: signal.name, unit: signal.unit, times: signal.times, values: signal.numbers, colour }] : [];
-  });
+  const wanted = filter.toLowerCase().split(/\s+/).filter(Boolean);
+  const all = [...signals].filter(([, signal]) => signal.bus === bus);
+  const shown = all.filter(([key, { name }]) => chosen.includes(key) || wanted.every((each) => name.toLowerCase().includes(each))).slice(0, SHOWN);
+  const read = (): Curve[] =>
+    chosen.flatMap((key, colour) => {
+      const signal = signals.get(key);
+      return signal ? [{ key, name: signal.name, unit: signal.unit, times: signal.times, values: signal.numbers, colour }] : [];
+    });
+  if (!all.length) return null;
   return (
     <section aria-label="Signals">
       <h2>Signals</h2>
-      <label>
-        Plot
-        <select value="" onChange={(e) => e.target.value && choose([...chosen, e.target.value].slice(-8))}>
-          <option value="">signal …</option>
-          {others.map(([key, { name }]) => (
-            <option key={key} value={key}>
-              {name}
-            </option>
-          ))}
-        </select>
-      </label>
-      {shown.map(({ key, name }) => (
-        <button key={key} type="button" aria-label={`Remove ${name}`} onClick={() => choose(chosen.filter((each) => each !== key))}>
-          <bdi>{name}</bdi> ×
-        </button>
-      ))}
-      {shown.length > 0 && <Plot id={`signals ${bus}`} read={read} label="Signals over time" />}
+      {chosen.length > 0 && <Plot id={`signals ${bus}`} read={read} label="Signals over time" />}
+      <input type="search" aria-label="Find a signal" placeholder="Find a signal" value={filter} onChange={(e) => setFilter(e.target.value)} />
+      <div className="rows" tabIndex={0}>
+        <table aria-label="Values of signals">
+          <thead>
+            <tr>
+              <th scope="col">signal, plotted</th>
+              <th scope="col">hex</th>
+              <th scope="col">value</th>
+            </tr>
+          </thead>
+          <tbody>
+            {shown.map(([key, { name, text, numbers }]) => (
+              <tr key={key}>
+                <th scope="row">
+                  <label>
+                    <input type="checkbox" checked={chosen.includes(key)} onChange={(e) => choose(e.target.checked ? [...chosen, key].slice(-PLOTTED) : chosen.filter((each) => each !== key))} />
+                    <bdi>{name}</bdi>
+                  </label>
+                </th>
+                <td className="octets">{hexOf(numbers.at(-1))}</td>
+                <td className="text">{text}</td>
+              </tr>
+            ))}
+          </tbody>
+        </table>
+      </div>
     </section>
+  );
+}
+
+function Folded({ title, children }: { title: string; children: ReactNode }) {
+  const [open, setOpen] = useState(false);
+  return (
+    <details open={open} onToggle={(e) => setOpen(e.currentTarget.open)}>
+      <summary>{title}</summary>
+      {open && children}
+    </details>
   );
 }
 
 export function BusView({ system: { buses, components }, full }: { system: SystemState; full: boolean }) {
   const [name, open] = useState("");
-  const [filter, setFilter] = useState("");
-  const [held, hold] = useState<readonly Frame[]>();
   const bus = buses.find((each) => each.name === name) ?? buses[0];
-  if (!bus) return <p>No frame has been seen: components of this system use no CAN bus, or time has not passed yet.</p>;
-  const wanted = filter.toLowerCase().split(/\s+/).filter(Boolean);
-  const matches = (frame: Frame) => {
-    const text = `${identifier(frame)} ${frame.kind} node${frame.node_id} ${words(frame)}`.toLowerCase();
-    return frame.bus === bus.name && wanted.every((each) => text.includes(each));
-  };
-  const frames = (held ?? store.traffic.frames).filter(matches).slice(-SHOWN).reverse();
-  const emergencies = store.traffic.emergencies.filter((each) => each.bus === bus.name).reverse();
+  if (!bus) return <p className="empty">No frame has been seen: components of this system use no CAN bus, or time has not passed yet.</p>;
+  const emergencies = store.traffic.emergencies.filter((each) => each.bus === bus.name).map((frame): Seen => ({ frame, changed: [], period: NaN, count: 1 }));
   return (
     <div className="bus">
-      <label>
-        Bus
-        <select value={bus.name} onChange={(e) => open(e.target.value)}>
-          {buses.map((each) => (
-            <option key={each.name} value={each.name}>{each.name}</option>
-          ))}
-        </select>
-      </label>
-      <Span />
-      <Load bus={bus} />
-      <Nodes bus={bus} lines={linesOf(components, buses)} full={full} />
-      <Send key={`send ${bus.name}`} bus={bus.name} full={full} />
-      <Objects key={`objects ${bus.name}`} bus={bus} full={full} />
-      <Signals key={`signals ${bus.name}`} bus={bus.name} />
+      <div className="toolbar">
+        <label>
+          Bus
+          <select value={bus.name} onChange={(e) => open(e.target.value)}>
+            {buses.map((each) => (
+              <option key={each.name} value={each.name}>{each.name}</option>
+            ))}
+          </select>
+        </label>
+        <Load bus={bus} />
+      </div>
+      <Traffic key={`frames ${bus.name}`} bus={bus.name} />
       <section aria-label="Emergencies">
         <h2>Emergencies</h2>
-        {emergencies.length ? <Frames frames={emergencies} caption="Emergencies" /> : <p>none</p>}
+        {emergencies.length ? <Frames frames={emergencies.reverse()} caption="Emergencies" /> : <p>none</p>}
       </section>
-      <section aria-label="Frames">
-        <h2>Frames</h2>
-        <label>
-          Filter
-          <input value={filter} placeholder="tpdo1 node1" onChange={(e) => setFilter(e.target.value)} />
-        </label>{" "}
-        <button type="button" aria-pressed={held !== undefined} onClick={() => hold(held ? undefined : [...store.traffic.frames])}>
-          Hold
-        </button>
-        <Frames frames={frames} caption="Frames" />
-      </section>
+      <Nodes bus={bus} lines={linesOf(components, buses)} full={full} />
+      <Signals key={`signals ${bus.name}`} bus={bus.name} />
+      <Span />
+      <LoadPlot bus={bus} />
+      <Objects key={`objects ${bus.name}`} bus={bus} full={full} />
+      <Folded title="Send frames">
+        <Send key={`send ${bus.name}`} bus={bus.name} full={full} />
+      </Folded>
     </div>
   );
 }

@@ -71,7 +71,7 @@ function shownTimes(first: number, last: number): [number, number] {
   return zoom ? [...zoom] : [span ? Math.max(first, last - span) : first, last];
 }
 
-const brief = (value: number): string => (Number.isNaN(value) ? "" : String(Number(value.toPrecision(5))));
+const brief = (value: number): string => (Number.isNaN(value) ? "" : Math.abs(value) >= 1e7 ? value.toExponential(3) : String(Number(value.toPrecision(5))));
 
 /** Whether the page is dark; its change creates new plots, whose axes have its colours. */
 const dark = matchMedia("(prefers-color-scheme: dark)");

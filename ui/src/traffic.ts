@@ -13,12 +13,34 @@ export interface Signal {
   bus: string;
   name: string;
   unit: string;
+  /** The newest value in words, with its unit. */
+  text: string;
   times: number[];
   numbers: number[];
 }
 
+/** A frame, beside the one before it with the same identifier. */
+export interface Seen {
+  frame: Frame;
+  /** Whether each octet differs from that of the frame before; empty for the first one. */
+  changed: readonly boolean[];
+  /** Time since the frame before [s]; NaN for the first one. */
+  period: number;
+  /** Number of frames with this identifier until now. */
+  count: number;
+}
+
+export const identifierOf = (frame: Frame): string => frame.can_id.toString(16).toUpperCase().padStart(frame.extended ? 8 : 3, "0");
+
+/** A frame in words: names, values and units. */
+export const wordsOf = (frame: Frame): string => frame.text || frame.fields.map((each) => `${each.name} = ${each.text}`).join(", ");
+
+const MAX_IDENTIFIERS = 4096;
+
 export class Traffic {
-  readonly frames: Frame[] = [];
+  readonly frames: Seen[] = [];
+  /** The newest frame of each bus and identifier. */
+  readonly newest = new Map<string, Seen>();
   readonly emergencies: Frame[] = [];
   /** Signals by bus and `NODE KIND.NAME`. */
   readonly signals = new Map<string, Signal>();
@@ -30,7 +52,16 @@ export class Traffic {
   callCount = 0;
 
   frame(frame: Frame): void {
-    append(this.frames, frame, MAX_FRAMES);
+    const own = `${identifierOf(frame)} ${frame.bus}`;
+    const before = this.newest.get(own);
+    const seen = {
+      frame,
+      changed: before ? [...frame.data].map((octet, i) => octet !== before.frame.data[i]) : [],
+      period: before ? frame.time - before.frame.time : NaN,
+      count: (before?.count ?? 0) + 1,
+    };
+    append(this.frames, seen, MAX_FRAMES);
+    if (before || this.newest.size < MAX_IDENTIFIERS) this.newest.set(own, seen);
     if (frame.kind === "emcy") append(this.emergencies, frame, MAX_EMERGENCIES);
     for (const field of frame.fields) {
       if (!field.numeric) continue;
@@ -39,10 +70,11 @@ export class Traffic {
       let signal = this.signals.get(key);
       if (!signal) {
         if (this.signals.size >= MAX_SIGNALS) continue;
-        signal = { bus: frame.bus, name, unit: field.unit, times: [], numbers: [] };
+        signal = { bus: frame.bus, name, unit: field.unit, text: field.text, times: [], numbers: [] };
         this.signals.set(key, signal);
       }
       if (isFull(signal.times)) for (const row of [signal.times, signal.numbers]) thin(row);
+      signal.text = field.text;
       signal.times.push(frame.time);
       signal.numbers.push(field.number);
     }

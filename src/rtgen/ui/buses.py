@@ -202,15 +202,15 @@ class Buses(SeenBuses):
         frame = command_frame(COMMANDS[command.command], command.node_id)
         _put(self._link(command.bus), frame)
 
-    def read(self, access: ui.SdoAccess) -> str:
-        """Read an object of a node; the result has its value as text."""
+    def read(self, access: ui.SdoAccess) -> tuple[str, bytes]:
+        """Read an object of a node; return its value as text, and its octets."""
         bus, number = self._existing_bus(access.bus), _number(access)
         channel = self._link(access.bus).sdo(_node(access.node_id))
         try:
             octets = channel.upload(*number)
         except (SdoAbort, LinkError) as error:
             raise CommandError(CALL_FAILED, str(error)) from error
-        return bus.describer.text(access.node_id, number, octets)
+        return bus.describer.text(access.node_id, number, octets), octets
 
     def write(self, access: ui.SdoAccess) -> None:
         """Write an object of a node."""

@@ -183,7 +183,7 @@ class Commands:
         elif kind is CommandKind.COMMAND_CALL:
             result.reply = calls.call(self._session.system, value)
         elif kind is CommandKind.COMMAND_SDO_READ:
-            result.text = self._session.buses.read(value)
+            result.text, result.reply = self._session.buses.read(value)
         elif kind is CommandKind.COMMAND_RENAME:
             result.renamed = renames.rename(self._session, value)
         elif kind is CommandKind.COMMAND_OBJECTS:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Callable
 from pathlib import Path
 from typing import Any
@@ -43,7 +44,7 @@ def test_the_bus_is_a_line_below_the_boxes(bus: Any, session: Session) -> None:
     [top] = line.evaluate_all("all => all.map(each => each.getBoundingClientRect().y)")
     hung = [each for each in session.system.instances if "Drive" in each]
     assert sum(each > top for each in boxes) == len(hung) + 1
-    row = bus.get_by_role("row", name="front_left")
+    row = bus.get_by_role("table", name="Nodes").get_by_role("row", name="front_left")
     assert "FrontLeftWheel0, FrontLeftDrive0" in row.inner_text()
     bus.get_by_role("tab", name="Values").click()
     bus.get_by_role("button", name="127 manager").press("Enter")
@@ -58,6 +59,73 @@ def test_frames_are_decoded_and_filtered(bus: Any) -> None:
     frames.get_by_text("tpdo1", exact=True).first.wait_for()
     bus.get_by_role("img", name="Load of").wait_for()
     bus.get_by_text("computed").first.wait_for()
+    bus.get_by_label("Filter").fill("")
+
+
+FILTERS = {
+    "kind:heartbeat": {"heartbeat"},
+    "id:701-704": {"heartbeat"},
+    "kind:tpdo* | kind:heartbeat node:1": {"tpdo", "heartbeat"},
+    "(kind:tpdo1 | kind:heartbeat) !kind:tpdo*": {"heartbeat"},
+    "kind:heartbeat data:05 len=1": {"heartbeat"},
+    "statusword>0 node!=1": {"tpdo"},
+    '"no frame has this"': set(),
+}
+
+
+@pytest.mark.parametrize(("text", "kinds"), FILTERS.items(), ids=range(len(FILTERS)))
+def test_filters_are_a_language(bus: Any, text: str, kinds: set[str]) -> None:
+    # Rows of all identifiers do not depend on what came last.
+    counted = bus.get_by_role("button", name="By identifier")
+    if counted.get_attribute("aria-pressed") == "false":
+        counted.press("Enter")
+    filled = bus.get_by_label("Filter")
+    filled.fill(text)
+
+    def shown() -> set[str]:
+        rows = bus.get_by_role("table", name="Frames").locator("tbody td:nth-child(6)")
+        return {re.sub(r"\d+$", "", kind) for kind in rows.all_inner_texts()}
+
+    until(bus, lambda: shown() == kinds)
+    filled.fill("")
+    counted.click()
+
+
+@pytest.mark.parametrize("text", ["(tpdo1", "id:xyz", "a | ", "!", "node>1-2", ")"])
+def test_a_filter_that_is_wrong_says_why(bus: Any, text: str) -> None:
+    filled = bus.get_by_label("Filter")
+    filled.fill(text)
+    bus.locator("input[aria-invalid=true]").wait_for()
+    bus.get_by_role("region", name="Frames").locator(".reason").wait_for()
+    filled.fill("")
+    bus.locator("input[aria-invalid=true]").wait_for(state="detached")
+
+
+def test_identifiers_have_a_row_each_with_what_changes(bus: Any) -> None:
+    bus.get_by_role("button", name="By identifier").click()
+    frames = bus.get_by_role("table", name="Frames")
+    row = frames.locator("tbody tr").filter(
+        has=bus.get_by_role("cell", name="080", exact=True)
+    )
+    count = row.locator("td").nth(1)
+    before = int(count.inner_text())
+    until(bus, lambda: int(count.inner_text()) > before + 2)
+    assert row.count() == 1
+    assert float(row.locator("td").nth(2).inner_text()) > 0
+    frames.locator("mark").first.wait_for()
+    bus.get_by_role("button", name="By identifier").press("Enter")
+
+
+@by_both_hands
+def test_frames_are_cleared(bus: Any, press: Callable[[Any], None]) -> None:
+    bus.get_by_role("button", name="Pause", exact=True).click()
+    bus.get_by_role("button", name="Play").wait_for()
+    rows = bus.get_by_role("table", name="Frames").locator("tbody tr")
+    rows.first.wait_for()
+    press(bus.get_by_role("button", name="Clear frames"))
+    rows.first.wait_for(state="detached")
+    bus.get_by_role("button", name="Play").click()
+    rows.first.wait_for()
 
 
 @by_both_hands
@@ -79,11 +147,21 @@ def test_frames_are_held(
 @by_both_hands
 def test_signals_are_plotted(bus: Any, press: Callable[[Any], None]) -> None:
     region = bus.get_by_role("region", name="Signals")
-    chooser = region.locator("select")
-    pick(chooser, chooser.get_by_role("option").all_inner_texts()[2], press)
-    bus.get_by_role("img", name="Signals over time").wait_for()
-    press(region.get_by_role("button", name="Remove"))
-    bus.get_by_role("img", name="Signals over time").wait_for(state="detached")
+    region.get_by_label("Find a signal").fill("statusword")
+    row = (
+        region.get_by_role("table", name="Values of signals").locator("tbody tr").first
+    )
+    row.get_by_text("0x").first.wait_for()
+    box = row.get_by_role("checkbox")
+    plot = bus.get_by_role("img", name="Signals over time")
+    for _ in ("shown", "hidden"):
+        before = plot.count()
+        if press is by_mouse:
+            box.click()
+        else:
+            box.press("Space")
+        until(bus, lambda before=before: plot.count() != before)
+    region.get_by_label("Find a signal").fill("")
 
 
 @by_both_hands
@@ -123,10 +201,28 @@ def test_objects_are_read_and_written(bus: Any, press: Callable[[Any], None]) ->
     press(region.get_by_role("button", name="Write 6083h:0"))
     value = region.get_by_role("status", name="Value of 6083h:0")
     value.get_by_text(acceleration, exact=True).wait_for()
-    region.get_by_label("Objects", exact=True).fill("1018")
-    press(region.get_by_role("button", name="Read 1018h:1"))
-    identity = region.get_by_role("status", name="Value of 1018h:1")
+    # The octets are beside the value, the lowest first.
+    octets = int(acceleration).to_bytes(4, "little").hex(" ")
+    region.locator(".object").get_by_text(octets, exact=True).wait_for()
+    region.get_by_label("New value of 6083h:0").fill("x")
+    press(region.get_by_role("button", name="Write 6083h:0"))
+    region.get_by_role("alert").wait_for()
+    region.get_by_label("Objects", exact=True).fill("")
+
+
+@by_both_hands
+def test_objects_are_a_tree(bus: Any, press: Callable[[Any], None]) -> None:
+    region = bus.get_by_role("region", name="Object dictionary")
+    if region.get_by_label("Node").input_value() != "2":
+        pick(region.get_by_label("Node"), "front_right", press)
+    for branch in ("Communication", "1018h Identity"):
+        press(region.get_by_text(branch))
+    press(region.get_by_role("button", name="Read all of 1018h Identity"))
+    identity = region.get_by_role("status", name="Value of 1018h:4")
     until(bus, lambda: identity.inner_text() != "")
+    region.get_by_role("status", name="Value of 1018h:1").get_by_text("0x").wait_for()
+    press(region.get_by_text("Communication"))
+    identity.wait_for(state="detached")
 
 
 @by_both_hands
@@ -141,6 +237,8 @@ def test_frames_are_sent(
 
     session.system.clock.traffic.watch(on_traffic)
     send = bus.get_by_role("button", name="Send once")
+    if not send.is_visible():
+        press(bus.get_by_text("Send frames"))
     frame = bus.get_by_label("Frame", exact=True)
     frame.fill("7a0#0102")
     press(send)

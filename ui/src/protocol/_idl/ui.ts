@@ -760,7 +760,7 @@ export interface Ui$Result {
   code: string;
   message: string;
   hint: string;
-  /** Reply of a call: XCDR1 with its encapsulation header. */
+  /** Reply of a call: XCDR1 with its encapsulation header. Of an SDO read: the octets of the object. */
   reply: Ui$Octets;
   /** Value of an SDO transfer. */
   text: string;

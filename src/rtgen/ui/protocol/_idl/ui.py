@@ -1023,7 +1023,7 @@ class Result(Aggregated):
     message: str = ""
     hint: str = ""
     reply: Octets = b""
-    """Reply of a call: XCDR1 with its encapsulation header."""
+    """Reply of a call: XCDR1 with its encapsulation header. Of an SDO read: the octets of the object."""
     text: str = ""
     """Value of an SDO transfer."""
     fits: list[Fit] = field(default_factory=list)
