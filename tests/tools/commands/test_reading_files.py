@@ -69,8 +69,9 @@ WRITERS = {
 OTHERS = {
     "compiler/lowering/profiles/definitions.py Definitions.component",
     "runtime/dds/c_log.py _Log.__init__",
+    "runtime/system/monitor.py _activity",
 }
-"""Functions of the same names that have nothing to do with files."""
+"""Functions of the same names that open no files of a user."""
 
 _MODE = re.compile(r"[rwaxbt+]{1,3}")
 _METHODS = frozenset(("read_text", "read_bytes", "write_text", "write_bytes", "fdopen"))
