@@ -63,6 +63,8 @@ struct Node {
     Py_ssize_t dimensions;
     Py_ssize_t *lengths;
     PyObject *type, *first, *second;
+    PyObject **enumerators; /* by number, if all are small; `first` owns them */
+    Py_ssize_t enumerator_count;
 };
 
 typedef struct {

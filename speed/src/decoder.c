@@ -52,6 +52,12 @@ ALWAYS PyObject *load(int kind, const unsigned char *at, int swap) {
     case INT64: return PyLong_FromLongLong((int64_t)load64(at, swap));
     case UINT64: return PyLong_FromUnsignedLongLong(load64(at, swap));
     case FLOAT32: {
+        uint32_t bits = load32(at, swap);
+        if ((bits & 0x7F800000u) != 0x7F800000u) {  /* finite */
+            float single;
+            memcpy(&single, &bits, 4);
+            return PyFloat_FromDouble(single);
+        }
         double number = PyFloat_Unpack4((const char *)at, swap ? !PY_LITTLE_ENDIAN : PY_LITTLE_ENDIAN);
         return number == -1.0 && PyErr_Occurred() ? NULL : PyFloat_FromDouble(number);
     }
@@ -69,6 +75,10 @@ static PyObject *load_number(int kind, const unsigned char *at, int swap) {
 }
 
 static PyObject *load_keyed(const Node *node, const unsigned char *at, int swap) {
+    if (node->enumerators != NULL && (node->form == UINT32 || node->form == INT32)) {
+        uint32_t place = load32(at, swap);
+        return place < node->enumerator_count ? Py_XNewRef(node->enumerators[place]) : NULL;
+    }
     PyObject *number = load_number(node->form, at, swap);
     if (number == NULL) return NULL;
     PyObject *found = NULL;
@@ -179,11 +189,11 @@ static PyObject *take_items(Reader *r, const Node *atom, Py_ssize_t count) {
 
 static PyObject *take_rows(Reader *r, const Node *node, Py_ssize_t depth) {
     if (depth + 1 == node->dimensions) return take_items(r, node->child, node->lengths[depth]);
-    PyObject *list = PyList_New(0);
+    PyObject *list = PyList_New(node->lengths[depth]);
     for (Py_ssize_t i = 0; list != NULL && i < node->lengths[depth]; i++) {
         PyObject *row = take_rows(r, node, depth + 1);
-        if (row == NULL || PyList_Append(list, row)) Py_CLEAR(list);
-        Py_XDECREF(row);
+        if (row == NULL) Py_CLEAR(list);
+        else PyList_SET_ITEM(list, i, row);
     }
     return list;
 }
@@ -205,6 +215,7 @@ static PyObject *array_of(const Node *node, const unsigned char *at, Py_ssize_t 
 static PyObject *take_numbers(Reader *r, const Node *node) {
     Py_ssize_t count = node->length, size = node->child->size;
     if (!node->dimensions && (take_count(r, &count) || (node->bound >= 0 && count > node->bound))) return NULL;
+    if (node->dimensions && count > (r->end - r->position) / size) return NULL;
     if (node->form == AS_LIST || (!node->dimensions && count <= node->minimum)) return node->dimensions > 1 ? take_rows(r, node, 0) : take_items(r, node->child, count);
     if (count && (count > (r->end - r->position) / size || begin(r, node->child->align, count * size))) return NULL;
     const unsigned char *at = r->data + r->position;
@@ -219,15 +230,15 @@ static PyObject *take_numbers(Reader *r, const Node *node) {
 }
 
 /* A string of UTF-16 units without NUL: `each` is the size of a unit, 2 or 4. */
-static PyObject *text_of_units(const unsigned char *at, Py_ssize_t count, int each, int swap) {
-    Py_UCS4 most = 0;
-    int pairs = 0;
-    for (Py_ssize_t i = 0; i < count; i++) {
+ALWAYS PyObject *text_from(const unsigned char *at, Py_ssize_t count, int each, int swap) {
+    Py_UCS4 most = 0, nul = 0, pairs = 0;
+    for (Py_ssize_t i = 0; i < count; i++) {  /* without a branch, so that it is vectorized */
         Py_UCS4 unit = each == 2 ? load16(at + 2 * i, swap) : load32(at + 4 * i, swap);
-        if (!unit || unit > 0xFFFF) return NULL;
-        if (unit >= 0xD800 && unit < 0xE000) pairs = 1;
+        nul |= unit == 0;
+        pairs |= (unit & 0xFFFFF800) == 0xD800;
         most |= unit;
     }
+    if (nul || most > 0xFFFF) return NULL;
     if (pairs && each == 2) {
         int order = (PY_LITTLE_ENDIAN ? !swap : swap) ? -1 : 1;
         return PyUnicode_DecodeUTF16((const char *)at, 2 * count, "strict", &order);
@@ -235,11 +246,18 @@ static PyObject *text_of_units(const unsigned char *at, Py_ssize_t count, int ea
     if (pairs) return NULL;
     PyObject *text = PyUnicode_New(count, most);
     if (text == NULL) return NULL;
-    int kind = PyUnicode_KIND(text);
-    void *data = PyUnicode_DATA(text);
-    for (Py_ssize_t i = 0; i < count; i++)
-        PyUnicode_WRITE(kind, data, i, each == 2 ? load16(at + 2 * i, swap) : load32(at + 4 * i, swap));
+    Py_UCS1 *narrow = PyUnicode_DATA(text);
+    Py_UCS2 *wide = PyUnicode_DATA(text);
+    if (most < 0x100)
+        for (Py_ssize_t i = 0; i < count; i++) narrow[i] = (Py_UCS1)(each == 2 ? load16(at + 2 * i, swap) : load32(at + 4 * i, swap));
+    else
+        for (Py_ssize_t i = 0; i < count; i++) wide[i] = (Py_UCS2)(each == 2 ? load16(at + 2 * i, swap) : load32(at + 4 * i, swap));
     return text;
+}
+
+static PyObject *text_of_units(const unsigned char *at, Py_ssize_t count, int each, int swap) {
+    if (each == 4) return text_from(at, count, 4, swap);
+    return swap ? text_from(at, count, 2, 1) : text_from(at, count, 2, 0);
 }
 
 static PyObject *wide_text(const Node *node, const unsigned char *at, Py_ssize_t size) {

@@ -74,6 +74,13 @@ ALWAYS int store(int kind, char *at, PyObject *value, int swap) {
             memcpy(at, &bits, 8);
             return 0;
         }
+        float single = (float)number;
+        if (single - single == 0.0f) {  /* finite */
+            uint32_t bits;
+            memcpy(&bits, &single, 4);
+            store32(at, bits, swap);
+            return 0;
+        }
         return PyFloat_Pack4(number, at, swap ? !PY_LITTLE_ENDIAN : PY_LITTLE_ENDIAN);
     }
     if (!PyLong_Check(value)) return -1;
@@ -368,8 +375,10 @@ static Py_ssize_t store_units(char *at, PyObject *value, int swap, int words) {
     const void *data = PyUnicode_DATA(value);
     switch (PyUnicode_KIND(value)) {
     case PyUnicode_1BYTE_KIND:
-        if (swap || words) return units_of(PyUnicode_1BYTE_KIND, data, length, at, swap, words);
-        return units_of(PyUnicode_1BYTE_KIND, data, length, at, 0, 0);
+        if (scan(data, length) & HAS_NUL) return -1;
+        if (swap || words) for (Py_ssize_t i = 0; i < length; i++) store_unit(at, i, ((const Py_UCS1 *)data)[i], swap, words);
+        else for (Py_ssize_t i = 0; i < length; i++) store16(at + 2 * i, ((const Py_UCS1 *)data)[i], 0);
+        return length;
     case PyUnicode_2BYTE_KIND:
         if (swap || words) return units_of(PyUnicode_2BYTE_KIND, data, length, at, swap, words);
         return units_of(PyUnicode_2BYTE_KIND, data, length, at, 0, 0);

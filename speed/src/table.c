@@ -12,6 +12,7 @@ static void table_dealloc(Table *self) {
         PyMem_Free(node->members);
         PyMem_Free(node->labels);
         PyMem_Free(node->lengths);
+        PyMem_Free(node->enumerators);
         Py_XDECREF(node->type);
         Py_XDECREF(node->first);
         Py_XDECREF(node->second);
@@ -125,6 +126,26 @@ static int set_lengths(Node *node, PyObject *part) {
     return 0;
 }
 
+#define MAX_ENUMERATORS 256
+
+/* Makes the table of enumerators by number, unless one is negative or large. */
+static int set_enumerators(Node *node) {
+    PyObject *key, *member;
+    Py_ssize_t place = 0, most = -1;
+    while (PyDict_Next(node->first, &place, &key, &member)) {
+        Py_ssize_t number = PyLong_AsSsize_t(key);
+        if (number == -1 && PyErr_Occurred()) return -1;
+        if (number < 0 || number >= MAX_ENUMERATORS) return 0;
+        if (number > most) most = number;
+    }
+    node->enumerators = PyMem_Calloc(most + 1 > 0 ? most + 1 : 1, sizeof(PyObject *));
+    if (node->enumerators == NULL) return PyErr_NoMemory(), -1;
+    node->enumerator_count = most + 1;
+    for (place = 0; PyDict_Next(node->first, &place, &key, &member);)
+        node->enumerators[PyLong_AsSsize_t(key)] = member;
+    return 0;
+}
+
 static int set_node(Table *self, Node *node, PyObject *part) {
     Py_ssize_t kind, form, align, plain, unset, version, id, must, code, shared;
     if (!PyDict_Check(part)) return refuse("nodes are dicts");
@@ -170,6 +191,7 @@ static int check_node(const Node *node) {
     }
     if (node->kind == ENUMERATOR && (node->type == NULL || node->first == NULL || !PyDict_Check(node->first) ||
                                      node->form > UINT64)) return refuse("enumerators are missing");
+    if (node->kind == ENUMERATOR && set_enumerators((Node *)node)) return -1;
     if (node->kind == FLAGS && (node->type == NULL || node->form > UINT64)) return refuse("flags are missing");
     if (node->kind == HOOK && (node->first == NULL || node->second == NULL || node->size <= 0)) return refuse("hooks are missing");
     if (node->kind == NUMBERS && node->form != AS_LIST && node->child->kind > FLOAT64) return refuse("numbers are needed");

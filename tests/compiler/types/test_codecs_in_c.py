@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import gc
 import sys
 from array import array
 from collections.abc import Callable, Iterator
 from decimal import Decimal
 from enum import IntEnum
+from functools import partial
 from pathlib import Path
 from random import Random
 from typing import Any
@@ -15,7 +17,7 @@ import emitted
 import pytest
 import speed
 from random_types import Definitions, Values
-from seeds import cases
+from seeds import budget, cases
 
 from rtgen.runtime.cdr import Aggregated, CdrError, Union
 from rtgen.runtime.marshalling import compiler, tables
@@ -30,6 +32,7 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 from rtgen.runtime.marshalling.layouts.formats import CLASSIC, Format
 from rtgen.runtime.marshalling.layouts.trees import can_evolve, is_dynamic
+from rtgen.runtime.values import AnyValue
 
 sys.path.append(str(Path(__file__).parents[2] / "fuzz"))
 sys.path.append(str(Path(__file__).parents[2] / "tools" / "diff"))
@@ -242,3 +245,75 @@ def test_drawn_types(tmp_path: Path) -> None:
                     checked.value(value, draw)
                     checked.damaged(value, draw)
     assert covered
+
+
+IDL = """
+module Kept {
+    enum Hue { RED, GREEN };
+    bitmask Bits { @position(0) LOW, @position(3) HIGH };
+    union Choice switch (Hue) { case RED: string text; default: sequence<double> row; };
+    struct Part { string name; wstring wide; Hue shade; Bits flags; long double quad; };
+    @mutable struct Loose { @optional string note; map<string, Part> named; };
+    struct All {
+        Part first; sequence<Part> many; Choice one; sequence<octet> raw; double grid[2][3];
+        @optional Loose rest; sequence<long> numbers; short level;
+    };
+    struct Point { double x; };
+    struct Held { any content; sequence<string> texts; };
+};
+"""
+
+
+def test_nothing_is_kept_of_many_values(tmp_path: Path) -> None:
+    """References that were not given back would be allocated blocks, failures included."""
+    kept = emitted.emit_text(tmp_path, IDL)._idl.case
+    part = kept.Part("a name", "\u6f22", kept.Hue.GREEN, kept.Bits.HIGH, 0.5)
+    loose = kept.Loose("a note", {"one": part, "two": part})
+    row = kept.Choice(kept.Hue.GREEN, [0.25 * n for n in range(9)])
+    whole = kept.All(
+        part, [part] * 3, row, b"abc", [[0.5] * 3] * 2, loose, [*range(500, 599)]
+    )
+    held = kept.Held(
+        AnyValue(kept.Point._descriptor_, kept.Point(1.5)), ["a text", "b text"]
+    )
+    functions = []
+    for value, format_ in ((whole, Format(1)), (whole, Format(2)), (held, CLASSIC)):
+        descriptor = type(value)._descriptor_
+        kinds = ("to_cdr", "from_cdr", "_snapshot_")
+        encode, decode, copy = (
+            tables.codec(kind, descriptor, format_, lambda: lambda *_: None)
+            for kind in kinds
+        )
+        octets = encode(value)
+        broken = [octets[:end] for end in range(0, len(octets), 7)]
+        functions.append(
+            partial(_exercise, encode, decode, copy, value, octets, broken)
+        )
+
+    def blocks(times: int) -> int:
+        for _ in range(times):
+            for function in functions:
+                function()
+        gc.collect()
+        return sys.getallocatedblocks()
+
+    blocks(20)
+    first = blocks(20)
+    assert blocks(budget(500)) < first + 200
+
+
+def _exercise(
+    encode: Any, decode: Any, copy: Any, value: Any, octets: bytes, broken: list[bytes]
+) -> None:
+    type_ = type(value)
+    assert decode(type_, encode(value)) == value
+    assert decode(type_, encode(value, False), False) == value
+    assert copy is None or copy(value) == value
+    for cut in broken:
+        assert decode(type_, cut) is None
+    name = value.__struct_fields__[-1]
+    right = getattr(value, name)
+    setattr(value, name, object())
+    assert encode(value) is None
+    assert copy is None or name == "level" or copy(value) is None
+    setattr(value, name, right)
