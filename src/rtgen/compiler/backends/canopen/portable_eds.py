@@ -27,6 +27,7 @@ from rtgen.compiler.model.canopen import (
     Value,
     Variable,
 )
+from rtgen.compiler.typemap.canopen.communication import type_of
 
 MARK: Final = "; rtgen: "
 """The mark of a line in a comment."""
@@ -47,9 +48,13 @@ _REALS: Mapping[int, tuple[str, str]] = {
     DataType.REAL64: ("<d", "<Q"),
 }
 _FIRST_OBJECT = 0x1000
+_PROFILE_AREA = 0x2000
+_KNOWN = frozenset(map(int, DataType))
 _MAPPINGS = frozenset(
     first + number for first in (RPDO_MAPPING, TPDO_MAPPING) for number in range(PDOS)
 )
+_LIMITS = dict.fromkeys(("LowLimit", "HighLimit"), "")
+_VALUES = _LIMITS | dict.fromkeys(("DefaultValue", "ParameterValue"), "")
 _NODES = 127
 _STRUCTURE = 0xFF
 """The sub-index of an object's structure (CiA 301, 7.4.3)."""
@@ -116,8 +121,13 @@ class Portable:
         variable = self._device.find(index, int(match[2] or "0", 16))
         if variable is not None:
             hidden |= _values(variable)
-            if match[2] == "0" and variable.data_type != DataType.UNSIGNED8:
-                hidden["DataType"] = f"0x{DataType.UNSIGNED8:04X}"
+            type_ = _standard_type(variable, is_sub=match[2] is not None)
+            if type_ not in (None, variable.data_type):
+                is_count = type_ == DataType.UNSIGNED8 and _fits(
+                    variable.default, 0, 0xFF
+                )
+                hidden |= _LIMITS if is_count else _VALUES
+                hidden["DataType"] = f"0x{type_:04X}"
             if match[2] is not None and index in _MAPPINGS:
                 hidden |= self._mapped(variable)
         return hidden
@@ -125,11 +135,12 @@ class Portable:
     def _mapped(self, variable: Variable) -> dict[str, str]:
         """Return the values of an entry of a mapping whose object does not exist."""
         values = {"DefaultValue": variable.default, "ParameterValue": variable.value}
-        return {
+        wrong = {
             key: "0x0"
             for key, value in values.items()
             if variable.subindex and isinstance(value, int) and not self._exists(value)
         }
+        return _LIMITS | wrong if wrong else {}
 
     def _exists(self, entry: int) -> bool:
         index, subindex = entry >> 16, entry >> 8 & 0xFF
@@ -150,23 +161,32 @@ class Portable:
 def _values(variable: Variable) -> dict[str, str]:
     """Return the keys of values and limits that are hidden."""
     values = {"DefaultValue": variable.default, "ParameterValue": variable.value}
-    limits = dict.fromkeys(("LowLimit", "HighLimit"), "")
     code = variable.data_type
     if code in _REALS:
         bits = {key: _bits(value, code) for key, value in values.items()}
-        return limits | {key: text for key, text in bits.items() if text}
+        return _LIMITS | {key: text for key, text in bits.items() if text}
     low, high = _range(code)
     if low is None or high is None:
-        return limits
+        return _LIMITS
     hidden = {k: "" for k, v in values.items() if not _fits(v, low, high)}
     ends = (variable.low, variable.high)
     if any(isinstance(end, NodeRelative) for end in ends):
-        return limits | hidden
+        return _LIMITS | hidden
     inner = [low if ends[0] is None else ends[0], high if ends[1] is None else ends[1]]
     shown = [v for k, v in values.items() if k not in hidden]
     if not all(_fits(value, *map(int, inner)) for value in shown):  # type: ignore[arg-type]
-        hidden |= limits
+        hidden |= _LIMITS
     return hidden
+
+
+def _standard_type(variable: Variable, *, is_sub: bool) -> int | None:
+    """Return the data type that CiA 301 has for a variable, if its own cannot be read as that."""
+    code, index = variable.data_type, variable.index
+    if is_sub and not variable.subindex:
+        return DataType.UNSIGNED8
+    if index < _PROFILE_AREA and code not in _KNOWN:
+        return type_of(index, variable.subindex)
+    return None
 
 
 def _range(code: int) -> tuple[int | None, int | None]:
@@ -181,7 +201,9 @@ def _fits(value: Value | None, low: int, high: int) -> bool:
     """Return whether a value is within limits, for each node-id."""
     if isinstance(value, NodeRelative):
         return max(low - 1, 0) <= value.offset <= high - _NODES
-    return not isinstance(value, int) or low <= value <= high
+    return (
+        low <= value <= high if isinstance(value, int) else not isinstance(value, float)
+    )
 
 
 def _bits(value: Value | None, code: int) -> str:

@@ -6,12 +6,12 @@ from enum import IntEnum
 
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.frontends.eds import numbers
-from rtgen.compiler.frontends.eds.communication import type_of
 from rtgen.compiler.frontends.eds.findings import Findings
 from rtgen.compiler.frontends.eds.ini import Entry, Section
 from rtgen.compiler.frontends.eds.rules import information, values
 from rtgen.compiler.frontends.eds.rules import objects as rules
 from rtgen.compiler.model.canopen import Access, DataType, NodeRelative, Value, Variable
+from rtgen.compiler.typemap.canopen.communication import type_of
 
 KNOWN = frozenset(map(int, DataType))
 """The codes of the basic data types."""
@@ -28,6 +28,7 @@ _OTHER_ACCESS = {
     "readwrite": Access.RW,
     "constant": Access.CONST,
 }
+_LAST_TYPE = 0xFFFF
 _DCF_KEYS = ("ParameterValue", "Denotation", "UploadFile", "DownloadFile")
 
 
@@ -130,7 +131,7 @@ class VariableReader:
         entry = section.get("DataType")
         code = None if entry is None else self.word(entry, DataType)
         span = section.span if entry is None else entry.span
-        if code is None:
+        if code is None or not 0 <= code <= _LAST_TYPE:
             code = self._likely_type(section, index, subindex, domain, common)
             state = "missing" if entry is None else "no number"
             if code is None:

@@ -51,7 +51,7 @@ def _missing(
         (0x1000, "Device type", _U32),
         (0x1001, "Error register", _U8),
     ):
-        if index not in objects:
+        if device.find(index) is None:
             one = _variable(device, index, 0, name, type_, 0)
             yield _object(device, index, name, ObjectType.VAR, [one]), _MANDATORY
     if device.find(_IDENTITY, 1) is None:

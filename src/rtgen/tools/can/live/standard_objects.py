@@ -10,8 +10,8 @@ from typing import Final
 
 import msgspec
 
-from rtgen.compiler.frontends.eds.communication import type_of
 from rtgen.compiler.model.canopen import Access, DataType
+from rtgen.compiler.typemap.canopen.communication import type_of
 from rtgen.facts.canopen import (
     PDOS,
     RPDO_COMMUNICATION,
