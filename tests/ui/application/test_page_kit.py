@@ -6,7 +6,7 @@ from typing import Any
 
 import pytest
 from page_flaws import flaws, violations
-from ui_bench import reach
+from ui_bench import reach, until
 
 from rtgen.ui.serving import Server
 
@@ -85,6 +85,7 @@ def test_all_components_are_drawn_in_both_schemes(
     before = page.get_by_text("left pane").bounding_box()["width"]
     reach(page, grip)
     page.keyboard.press("ArrowLeft")
-    assert page.get_by_text("left pane").bounding_box()["width"] < before
+    left = page.get_by_text("left pane")
+    until(page, lambda: left.bounding_box()["width"] < before)
     page.close()
     assert complaints == []

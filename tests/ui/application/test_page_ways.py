@@ -229,7 +229,7 @@ def test_a_rename_shows_what_changes_before_it_does(
     assert session.now == 1.0
     page.get_by_role("button", name="Undo", disabled=False).click()
     page.get_by_label(HEATER).wait_for()
-    assert texts(folder) == before
+    until(page, lambda: texts(folder) == before)
 
 
 def test_the_time_line_has_marks_and_what_is_planned(
@@ -284,7 +284,8 @@ def test_a_small_map_shows_the_whole_wiring(page: Any) -> None:
     whole = page.get_by_role("img", name="Map of the wiring")
     button.press("Enter")
     whole.wait_for()
-    assert whole.locator(".STATE_ACTIVE, .STATE_INACTIVE").count() == 2
+    boxes = whole.locator(".STATE_ACTIVE, .STATE_INACTIVE")
+    until(page, lambda: boxes.count() == 2)
     assert violations(page) == []
     button.click()
     whole.wait_for(state="detached")
