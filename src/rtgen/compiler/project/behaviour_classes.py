@@ -134,10 +134,15 @@ class Modules:
             f"{path}.py" in self._generated or f"{path}/__init__.py" in self._generated
         )
 
+    def _text(self, name: str) -> str | None:
+        """Return the text of a generated module or package."""
+        path = name.replace(".", "/")
+        package = self._generated.get(f"{path}/__init__.py")
+        return self._generated.get(f"{path}.py", package)
+
     def _parsed(self, name: str) -> Module | None:
         path = name.replace(".", "/")
-        package = f"{path}/__init__.py"
-        text = self._generated.get(f"{path}.py", self._generated.get(package))
+        text = self._text(name)
         is_generated = text is not None
         if text is None:
             text = self._users.get(name)
@@ -268,6 +273,17 @@ class Modules:
         if node not in self._nodes:
             self._nodes[node] = walk(node)
         return self._nodes[node]
+
+    def defines(self, module: str, name: str) -> bool:
+        """Return whether the text of a generated module shows that it defines a name."""
+        text = self._text(module) or ""
+        starts = (
+            f"\nclass {name}(",
+            f"\nclass {name}:",
+            f"\ndef {name}(",
+            f"\n{name} =",
+        )
+        return any(start in text for start in starts)
 
     def bound_in(self, name: str) -> frozenset[str] | None:
         """Return the names that a generated module binds; None if they are not all known."""

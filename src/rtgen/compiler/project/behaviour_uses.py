@@ -130,6 +130,8 @@ def _imports(project: Project, modules: Modules, module: Module) -> Iterator[_Us
                 yield _Use(node, home, f"there is no generated module {home}")
             continue
         for alias in node.names:
+            if modules.defines(home, alias.name):
+                continue
             names = modules.bound_in(home)
             if alias.name != "*" and names is not None and alias.name not in names:
                 if modules.is_generated(f"{home}.{alias.name}"):
@@ -241,7 +243,7 @@ class _Behaviour:
         self._own = {*bound([*_valued(class_)]), *_SET.findall(text)}
         """Names that the class sets, as far as its text tells."""
         self._declared: dict[str, tuple[str, Class | RuntimeClass | None]] = {}
-        """Kind and class of what the generated classes declare, by name."""
+        """Kind of what the generated classes declare, by name, with the class for what it has."""
         for each in reversed(ancestors):
             if _is_generated(each):
                 self._declared.update(self._declarations(each))
@@ -309,7 +311,9 @@ class _Behaviour:
                     targets=[ast.Name(id=name)],
                     value=ast.Call(func=ast.Name(id=kind), args=[type_, *_]),
                 ):
-                    yield name, (kind, self._modules.resolve(class_.module, type_))
+                    own = kind in ("configuration", "consumer")
+                    resolve = self._modules.resolve
+                    yield name, (kind, resolve(class_.module, type_) if own else None)
 
     def uses(
         self, method: ast.FunctionDef | ast.AsyncFunctionDef, receiver: str

@@ -205,7 +205,8 @@ class _Run:
     def _add(self, name: ScopedName, declaration: Declaration) -> None:
         first = self._declarations.setdefault(name, declaration)
         if (
-            first == declaration
+            first is declaration
+            or first == declaration
             or _is_forward(declaration)
             or structurally_equal(first, declaration)
         ):

@@ -2,16 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from typing import TYPE_CHECKING
 
 import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.frontends import Dependency
-from rtgen.compiler.frontends.idl.lowering.lower import Lowering
+from rtgen.compiler.frontends.idl.leading_units import LeadingUnits
 from rtgen.compiler.frontends.idl.meaning import checks
-from rtgen.compiler.frontends.idl.meaning.checks import levels
 from rtgen.compiler.frontends.idl.meaning.typetable import Types
 from rtgen.compiler.frontends.idl.names.resolver import Resolver
 from rtgen.compiler.frontends.idl.names.tables import Tables
@@ -55,6 +54,7 @@ class Translator:
         self._ignore_case_clashes = ignore_case_clashes
         self._preprocessor = Preprocessor(library)
         self._trees: dict[Unit, tuple[Item, ...]] = {}
+        self._leading = LeadingUnits()
         self._neighbours: Neighbours | None = None
 
     def translate(
@@ -77,7 +77,7 @@ class Translator:
             ).run(unit)
         units = list(unit.all_included)
         types = Types(tables, own.report)
-        declarations = self._declarations(types, own.report)
+        declarations = self._leading.declarations(types, own.report)
         parts = [*(each.findings for each in units), own]
         if not any(each.errors for each in parts):
             checks.left_out(tables, types, declarations, own.report)
@@ -107,23 +107,6 @@ class Translator:
     def _hash(self, name: str) -> str:
         source = self._library.virtual(name)
         return "" if source is None else source.sha256
-
-    def _declarations(
-        self, types: Types, report: Callable[[Diagnostic], None]
-    ) -> Mapping[ScopedName, Declaration]:
-        """Return the valid declarations of a unit, checked."""
-        tables = types.tables
-        declarations: dict[ScopedName, Declaration] = {}
-        with stages.stage("make the model"):
-            lowering = Lowering(types, report)
-            for entity in tables.declared:
-                declaration = lowering.declaration(entity)
-                if declaration is not None:
-                    declarations[declaration.name] = declaration
-        with stages.stage("check"):
-            declarations = levels.checked(declarations, report)
-            checks.run(tables, types, declarations, report)
-        return declarations
 
     def _declares(self, names: tuple[str, ...], unit: Unit) -> str | None:
         """Return the nearby file that declares unknown names."""

@@ -105,8 +105,12 @@ class Components(msgspec.Struct, eq=False):
             base=base.name if base else None,
             supports=tuple(s.path for s in supported if isinstance(s, Entity)),
         )
-        self._made[entity] = component
+        self.keep(entity, component)
         return component
+
+    def keep(self, entity: Entity, component: Component) -> None:
+        """Store a component, which others may be derived from."""
+        self._made[entity] = component
 
     def _base(self, node: tree.Component) -> Component | None:
         if node.base is None:

@@ -23,6 +23,7 @@ from rtgen.compiler.model import (
     Bitfield,
     Bitset,
     Case,
+    Component,
     Const,
     ConstantValue,
     Declaration,
@@ -89,6 +90,13 @@ class Lowering:
         if lowered is None:
             entity.poisoned = True
         return lowered
+
+    def keep(self, entity: Entity, lowered: Declaration) -> None:
+        """Take what an entity was lowered to in another translation unit."""
+        if isinstance(lowered, Typedef):
+            self._typedefs[lowered.name] = lowered
+        elif isinstance(lowered, Component):
+            self._components.keep(entity, lowered)
 
     def _undefined(self, entity: Entity) -> Declaration | None:
         """Return an interface without a definition, which can still be referenced."""

@@ -66,6 +66,7 @@ class Resolver(TypeNames):
             tree.PortItem: self._port,
         }
         self._depth = 0
+        self._leads = True
         self._read: dict[Source, list[str]] = {}
         self._reading: list[Source] = []
 
@@ -108,6 +109,7 @@ class Resolver(TypeNames):
 
     def _run_unit(self, unit: Unit) -> None:
         saved = getattr(self, "_unit", unit), self._event, self.tables.top.ids
+        leads = self._leads
         self._unit, self._event, self.tables.top.ids = unit, 0, ""
         self.tables.mark(unit)
         self._read.setdefault(unit.source, []).append(unit.text)
@@ -117,6 +119,11 @@ class Resolver(TypeNames):
         self._lookup.maybe_declared |= unit.maybe_declared
         self._items(items, self.tables.top, len(unit.text) + 1)
         self.tables.units.append(unit)
+        self._leads = leads
+        if leads:
+            declared = self.tables.declared
+            last = declared[-1] if declared else None
+            self.tables.leading.append((unit, len(declared), last))
         self._reading.pop()
         self._unit, self._event, self.tables.top.ids = saved
         self.tables.mark(self._unit)
@@ -126,6 +133,7 @@ class Resolver(TypeNames):
         for item in items:
             if self._event < len(events) and events[self._event].offset <= item.start:
                 self._events(item.start, scope)
+            self._leads = False
             self._handlers[type(item.node)](item.node, scope, item)
             if item.annotations:
                 self._annotations(item.annotations, scope)
@@ -145,6 +153,7 @@ class Resolver(TypeNames):
             self._event += 1
             match event:
                 case Pragma():
+                    self._leads = False
                     self._identities.apply(event, scope)
                 case Inclusion():
                     self._include(event)

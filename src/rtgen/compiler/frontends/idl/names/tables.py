@@ -37,7 +37,9 @@ class Tables(msgspec.Struct, eq=False):
     openings of modules that have annotations; `undefined` has a diagnostic for each interface
     without a definition, which another file may contain. `marks` assigns names to units: each mark
     is a unit, with the number of entities and references before its first ones. `openings` are the
-    bodies of modules.
+    bodies of modules. `leading` are the units before which those that include them have nothing of
+    their own, with the number of declarations and the last one when their ends were reached: what
+    is known then depends on the leading units alone.
     """
 
     top: Scope
@@ -52,6 +54,7 @@ class Tables(msgspec.Struct, eq=False):
     undefined: dict[ScopedName, Diagnostic] = msgspec.field(default_factory=dict)
     openings: dict[tree.Name, tree.Body] = msgspec.field(default_factory=dict)
     marks: list[tuple[Unit, int, int]] = msgspec.field(default_factory=list)
+    leading: list[tuple[Unit, int, Entity | None]] = msgspec.field(default_factory=list)
 
     def mark(self, unit: Unit) -> None:
         """Record that the following names belong to a unit."""

@@ -51,21 +51,25 @@ _CHECKS: Mapping[Kind, tuple[Callable[[Entity, Context], None], ...]] = {
 }
 
 
-def run(
-    tables: Tables,
-    types: Types,
-    declarations: Mapping[ScopedName, Declaration],
-    report: Callable[[Diagnostic], None],
-) -> None:
-    """Check a translation unit: its tree, and the declarations lowered from it."""
-    context = Context(types, declarations, report)
-    ids: dict[str, Entity] = {}
-    for entity in tables.declared:
+class Checker:
+    """Checks a translation unit: its tree, and the declarations lowered from it."""
+
+    def __init__(
+        self,
+        types: Types,
+        declarations: Mapping[ScopedName, Declaration],
+        report: Callable[[Diagnostic], None],
+    ) -> None:
+        self._context = Context(types, declarations, report)
+        self._ids: dict[str, Entity] = {}
+
+    def check(self, entity: Entity, *, known: bool) -> None:
+        """Check a declaration; a `known` one only beside the others."""
         if entity.node is None:
-            continue
-        for check in _CHECKS.get(entity.kind, ()):
-            check(entity, context)
-        structures.repository_id(entity, ids, context)
+            return
+        for check in () if known else _CHECKS.get(entity.kind, ()):
+            check(entity, self._context)
+        structures.repository_id(entity, self._ids, self._context)
 
 
 def left_out(

@@ -19,6 +19,8 @@ def checked(
 
     Components beyond the limit are dropped, because each copies all inherited members.
     """
+    if len(declarations) <= MAX_LEVELS:  # no chain is longer
+        return dict(declarations)
     edges = {
         name: set(_parts(declaration)) for name, declaration in declarations.items()
     }
