@@ -30,8 +30,8 @@ from rtgen.cli import SECTIONS, application
 
 LONG = frozenset(
     {
-        *("base-for-ros2", "canopen", "experiments", "recording", "reference-build"),
-        *("templates", "tutorial"),
+        *("base-for-ros2", "canopen", "canopen-python", "experiments", "recording"),
+        *("reference-build", "templates", "tutorial"),
     }
 )
 """Pages with runs of whole systems and networks, or many commands, which other tests run, too."""

@@ -15,6 +15,7 @@ import canopen
 import pytest
 from test_hand_slave import FOLDER, NODE, hand, of
 
+from refrobots.fpalette import FPaletteObjects
 from rtgen.runtime import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -24,10 +25,11 @@ from rtgen.runtime import (
     SampleRecord,
     System,
 )
-from rtgen.runtime.canopen.bus.canopen_network import NetworkBus, shared
+from rtgen.runtime.canopen.bus.canopen_network import NetworkBus, shared, typed
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.bus.real_link import RealLink
 from rtgen.runtime.canopen.errors import LinkError
+from rtgen.runtime.canopen.values import ObjectValueError
 from rtgen.runtime.canopen.wire.frames import Frame
 
 sys.path.insert(0, str(Path(__file__).parents[1] / "runtime" / "canopen"))
@@ -263,3 +265,31 @@ def test_a_network_that_is_about_to_connect_is_not_connected(
     network.connect()
     with NetworkBus(channel) as joined:
         assert joined.shared_bus is network.bus
+
+
+SPECS = Path(__file__).parents[2] / "specs" / "canopen"
+
+
+@pytest.mark.parametrize("kind", [canopen.RemoteNode, canopen.LocalNode])
+def test_typed_objects_of_a_node_of_the_package(kind: Any, channel: str) -> None:
+    ends = [canopen.Network(), canopen.Network()]
+    for end in ends:
+        end.NOTIFIER_CYCLE = 0.05
+        end.connect(interface="virtual", channel=channel)
+    try:
+        local = ends[0].create_node(5, str(SPECS / "f_palette.eds"))
+        remote = ends[1].add_node(5, str(SPECS / "f_palette.eds"))
+        node = local if kind is canopen.LocalNode else remote
+        objects = typed(FPaletteObjects, node)
+        objects.Digital_outputs_1_to_8 = 0xAA
+        assert local.sdo[0x6200][1].raw == objects.Digital_outputs_1_to_8 == 0xAA
+        objects["Angle_reference_offset"] = -7
+        assert remote.sdo[0x2103].raw == objects.Angle_reference_offset == -7
+        assert objects.Manufacturer_device_name == "f-palette"
+        with pytest.raises(ObjectValueError, match="300 is over 255"):
+            objects.Digital_outputs_1_to_8 = 300
+        with pytest.raises(KeyError, match="FPalette has no object 'Speed'"):
+            objects["Speed"]
+    finally:
+        for end in ends:
+            end.disconnect()

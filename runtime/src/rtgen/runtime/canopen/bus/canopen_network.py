@@ -1,8 +1,9 @@
-"""Shares the `Network` of a program that uses the package `canopen` with typed components.
+"""A bridge to programs of the package `canopen`, in both directions.
 
 A program that has a `canopen.Network` shares it under a name; components with the parameters
-`interface=canopen` and `channel=NAME` then use its bus instead of one of their own. Needs
-python-can; `canopen` itself is imported by the program.
+`interface=canopen` and `channel=NAME` then use its bus instead of one of their own (`shared`). The
+program's own nodes get the typed objects of a generated class (`typed`). Needs python-can;
+`canopen` itself is imported by the program.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from typing import TYPE_CHECKING, Any, Final
 
 import can
 
+from rtgen.runtime.canopen.objects import O, over_service
 from rtgen.runtime.canopen.wire.frames import (
     SDO_REQUEST,
     SDO_RESPONSE,
@@ -75,6 +77,29 @@ def shared(network: canopen.Network, name: str = "can0") -> Iterator[None]:
         yield
     finally:
         _REGISTRY.remove(name)
+
+
+def typed(class_: type[O], node: canopen.RemoteNode | canopen.LocalNode) -> O:
+    """Access the objects of a node of the package by a generated `<Module>Objects`.
+
+    Those of a `RemoteNode` are read and written by its SDO client, those of a `LocalNode` in its
+    own dictionary. Raises the exceptions of `canopen` (SdoAbortedError, SdoCommunicationError), and
+    ObjectValueError for a value that is invalid for an object, or octets that are none of it.
+    """
+    return over_service(class_, _Dictionary(node))
+
+
+class _Dictionary:
+    """The objects of a node as octets, as by the service of a proxy."""
+
+    def __init__(self, node: canopen.RemoteNode | canopen.LocalNode) -> None:
+        self._sdo = node.sdo
+
+    def read(self, index: int, subindex: int, /) -> bytes:
+        return bytes(self._sdo.upload(index, subindex))
+
+    def write(self, index: int, subindex: int, value: bytes, /) -> None:
+        self._sdo.download(index, subindex, value)
 
 
 class NetworkBus(can.BusABC):
