@@ -122,7 +122,7 @@ function length(text: string, font: string): number {
 }
 
 /** The title of a box: for a component of another process, the name without its place. */
-export const title = ({ place, instance }: Component): string => (place ? instance.slice(place.length + 1) : instance);
+export const title = ({ place, instance }: Component): string => (instance.startsWith(`${place}/`) ? instance.slice(place.length + 1) : instance);
 
 /** Size of a box for its labels. */
 export function width(component: Component): number {

@@ -3,17 +3,19 @@
 from __future__ import annotations
 
 import webbrowser
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import click
 
-from rtgen.cli.help import command
+from rtgen.cli.help import command, grouped
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import Place, WholeRange
 from rtgen.cli.run_table import with_run_table
 from rtgen.cli.running_options import with_clock, with_recording, with_value_checks
+from rtgen.cli.transport_options import ENGINE_OPTIONS, PROCESSES
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
+from rtgen.tools.running.engines import TAKES, EngineOptions
 from rtgen.tools.running.recording_options import RecordingOptions
 
 if TYPE_CHECKING:
@@ -46,11 +48,16 @@ if TYPE_CHECKING:
     metavar="HOST[:PORT]",
     help="Also show the components of a CORBA naming service.",
 )
-@click.option(
-    "--transport",
-    type=click.Choice(["direct", "corba"]),
-    default="direct",
-    help="corba: also bind the components of this system in the naming service (real time).",
+@grouped(
+    PROCESSES,
+    click.option(
+        "--transport",
+        type=click.Choice(["direct", "corba", *TAKES]),
+        default="direct",
+        help="corba: also bind the components in the naming service (real time); "
+        "dds, zenoh: watch the processes that run the system.",
+    ),
+    *ENGINE_OPTIONS,
 )
 @with_value_checks
 @with_recording
@@ -69,24 +76,25 @@ def ui(
     port: int,
     buses: tuple[str, ...],
     name_servers: tuple[str, ...],
-    transport: str,
     check_values: str,
     recording: RecordingOptions,
     read_only: bool,
     opened: bool,
     playing: bool,
+    **engine: Any,
 ) -> int:
     """Show a system in a browser: wire it, drive it, watch it.
 
     SYSTEM is an RtsProfile, or a folder with system.xml; default: that of `[run]`. The page shows
     the first one and can open the others. Instead of systems, one recording (FILE.mcap) is shown,
     or two are compared. A recording given with systems is compared with the running one. With
-    --nameserver, SYSTEM is optional. The page is served at 127.0.0.1 only; its address contains a
-    secret token.
+    --nameserver, SYSTEM is optional. With --transport dds or zenoh, the page shows the processes
+    that `rtgen run` has started with the same transport. The page is served at 127.0.0.1 only; its
+    address contains a secret token.
     """
     if isinstance(systems, str):  # that of `[run]`
-        systems = () if name_servers else (systems,)
-    if not systems and not name_servers:
+        systems = () if name_servers or engine["partition"] else (systems,)
+    if not systems and not name_servers and not engine["partition"]:
         raise click.UsageError(
             "Missing argument 'SYSTEM...', or option '--nameserver'. "
             "`[run] system` in rtgen.toml names a system, too."
@@ -99,7 +107,7 @@ def ui(
         port=port,
         buses=buses,
         name_servers=name_servers,
-        transport=transport,
+        engine=EngineOptions(**engine),
         check_values=check_values,
         recording=recording,
         playing=playing,

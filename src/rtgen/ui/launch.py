@@ -18,6 +18,7 @@ from rtgen.facts.extras import installation
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.kit.signals import terminable
+from rtgen.tools.running.engines import TAKES, EngineOptions
 from rtgen.tools.running.recording_options import RecordingOptions
 from rtgen.ui.bus_description import BusDescriber
 from rtgen.ui.project_systems import CommandProject
@@ -25,6 +26,7 @@ from rtgen.ui.project_systems import CommandProject
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import NamedCorba
     from rtgen.ui.recorded import Recorded
+    from rtgen.ui.remote_state import RemoteState
     from rtgen.ui.serving import Server
     from rtgen.ui.session import Session
 
@@ -41,7 +43,7 @@ class UiOptions:
     port: int
     buses: tuple[str, ...]
     name_servers: tuple[str, ...]
-    transport: str
+    engine: EngineOptions
     check_values: str
     recording: RecordingOptions
     playing: bool
@@ -50,6 +52,11 @@ class UiOptions:
     def recordings(self) -> list[str]:
         """The recordings among the systems."""
         return [each for each in self.systems if Path(each).suffix.lower() == ".mcap"]
+
+    @property
+    def attaches(self) -> bool:
+        """Whether the system is run by other processes, which are watched."""
+        return self.engine.transport in TAKES
 
 
 def served(
@@ -60,6 +67,7 @@ def served(
     Raises InputError, Refusal, ToolError.
     """
     _require_libraries(options, console)
+    options.engine.check_taken(TAKES)
     from rtgen.ui.serving import Server
     from rtgen.ui.stored_tokens import tokens_of
 
@@ -75,7 +83,8 @@ def served(
         session: Session | Recorded = _recorded(options, console, buses)
         server = Server(session, _LOOPBACK, options.port, tokens=tokens)
     else:
-        session = _running(options, console, buses, closing)
+        begin = _attached if options.attaches else _running
+        session = begin(options, console, buses, closing)
         server = Server(session, _LOOPBACK, options.port, tokens=tokens)
         if options.playing:
             session.runner.submit(session.runner.play)
@@ -134,7 +143,7 @@ def _running(
     systems = [each for each in options.systems if each not in options.recordings]
     simulated = options.simulated and bool(systems)
     transport = None
-    if options.transport == "corba":
+    if options.engine.transport == "corba":
         if not options.name_servers or simulated or len(systems) > 1:
             raise Refusal(
                 "--transport corba needs --nameserver, --clock real and one system"
@@ -156,6 +165,51 @@ def _running(
         return Session(project, file, clock, options.name_servers, own, beside)
     except runtime.TransportError as error:
         raise ToolError(str(error)) from error
+
+
+def _attached(
+    options: UiOptions, console: Console, buses: Mapping[str, Path], closing: ExitStack
+) -> Session:
+    """Return a session that watches the processes of a system.
+
+    Raises InputError, Refusal, ToolError.
+    """
+    from rtgen.ui.peers_watcher import PeersWatcher
+    from rtgen.ui.protocol import ui
+    from rtgen.ui.session import Session
+
+    _check_number(options, 1)
+    systems = [each for each in options.systems if each not in options.recordings]
+    if options.name_servers or options.recording.file is not None or len(systems) > 1:
+        raise Refusal(
+            f"--transport {options.engine.transport} shows the run of one system: "
+            "without --nameserver and --record, which `rtgen run` has"
+        )
+    project = CommandProject(console, systems, dict(buses))
+    # Without a system, that of the partition is shown without its connections.
+    profile = project.read(next(iter(systems), "")).profile
+    name = options.engine.partition or profile.name
+    connections = [
+        ui.Connection(
+            each.name,
+            ui.PortAddress(each.source.instance, each.source.port),
+            ui.PortAddress(each.target.instance, each.target.port),
+            [ui.Value(*pair) for pair in each.properties],
+        )
+        for each in profile.connections
+    ]
+    transport = options.engine.open(name)
+    place = f"{options.engine.transport} {name}"
+
+    def attach(
+        publish: Callable[[RemoteState], bool], report: Callable[[str, str], None]
+    ) -> PeersWatcher:
+        return PeersWatcher(
+            transport, place, connections, project.data_type, publish, report
+        )
+
+    beside = next(iter(options.recordings), "")
+    return Session(project, "", runtime.RealClock, recording=beside, attach=attach)
 
 
 def _check_number(options: UiOptions, most: int) -> None:

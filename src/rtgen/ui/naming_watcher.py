@@ -45,8 +45,9 @@ from rtgen.ui.remote_component import (
     described,
     explained,
 )
-from rtgen.ui.remote_connections import Key, RemoteConnections, Take, Use
+from rtgen.ui.remote_connections import RemoteConnections
 from rtgen.ui.remote_state import RemoteState, obstacle, restored
+from rtgen.ui.watching import Key, Take, Use
 
 PERIOD: Final = 1.0
 """Polling interval [s]."""

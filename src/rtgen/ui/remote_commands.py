@@ -22,7 +22,7 @@ from rtgen.ui.remote_state import restored
 from rtgen.ui.session import Session
 
 if TYPE_CHECKING:
-    from rtgen.ui.naming_watcher import NamingWatcher
+    from rtgen.ui.watching import Watcher
 
 Action = Callable[[], None]
 """Is executed in the thread that calls other processes. Raises CommandError."""
@@ -95,7 +95,7 @@ class RemoteCommands:
         return False
 
     def _change(
-        self, watcher: NamingWatcher, command: ui.Command, effect: Change | None
+        self, watcher: Watcher, command: ui.Command, effect: Change | None
     ) -> None:
         edit = watcher.carry_out(command)
         if edit is not None:
@@ -104,7 +104,7 @@ class RemoteCommands:
 
     def _restore(
         self,
-        watcher: NamingWatcher,
+        watcher: Watcher,
         commands: Sequence[tuple[ui.Command, Change | None]],
     ) -> None:
         """Execute as many commands as possible; raise CommandError for the others."""
@@ -182,9 +182,7 @@ class RemoteCommands:
             raise CommandError(UNKNOWN, message)
         return port
 
-    def _call(
-        self, watcher: NamingWatcher, command: ui.Call, result: ui.Result
-    ) -> Action:
+    def _call(self, watcher: Watcher, command: ui.Call, result: ui.Result) -> Action:
         offered = {e.name: e for e in self._port(command.port).interfaces if e.provided}
         if command.interface_name not in offered:
             where = f"{command.port.instance}.{command.port.port}"
@@ -203,7 +201,7 @@ class RemoteCommands:
 
         return carry_out
 
-    def _inject(self, watcher: NamingWatcher, command: ui.Inject) -> Action:
+    def _inject(self, watcher: Watcher, command: ui.Inject) -> Action:
         port = self._port(command.port)
         if port.kind is not ui.PortKind.PORT_IN:
             raise CommandError(

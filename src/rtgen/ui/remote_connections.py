@@ -9,9 +9,8 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Container, Mapping
 from dataclasses import dataclass, field
-from enum import StrEnum
 from functools import partial
-from typing import Any, Final, NamedTuple
+from typing import Any, Final
 
 from rtgen import runtime
 from rtgen.runtime.corba.objects import Objects
@@ -36,6 +35,7 @@ from rtgen.runtime.services.ports import Consumer, ServicePort
 from rtgen.runtime.services.servants import Invoker, Servant
 from rtgen.runtime.system.joining import Connector
 from rtgen.ui.errors import CALL_FAILED, CommandError
+from rtgen.ui.watching import Key, Take, Use
 
 PAGE: Final = "rtgen_ui"
 """The instance name of ports of pages, as seen by other processes."""
@@ -52,9 +52,6 @@ _NEWEST: Final = {
 }
 """Properties by which the writer does not wait, and only its newest sample is sent."""
 _AT_ONCE: Final = _NEWEST | {"dataport.subscription_type": "flush"}
-
-Take = Callable[[bytes], None]
-"""Receives a sample with its encapsulation header; from any thread."""
 
 
 class _InEnd:
@@ -101,23 +98,6 @@ class _Owner(runtime.Component):
     """Owner of the consumers of pages; belongs to no system."""
 
     profile = runtime.ComponentProfile(PAGE)
-
-
-class Use(StrEnum):
-    """The purpose of a connection."""
-
-    LISTEN = "listen"
-    GIVE = "give"
-    CALL = "call"
-
-
-class Key(NamedTuple):
-    """A connection of a page to a port, for calls to one of its interfaces."""
-
-    use: Use
-    instance: str
-    port: str
-    interface: str = ""
 
 
 @dataclass(eq=False)

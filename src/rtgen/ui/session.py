@@ -60,8 +60,7 @@ from rtgen.ui.type_table import NO_TYPE, TypeTable
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
-    from rtgen.ui.naming_watcher import NamingWatcher
-    from rtgen.ui.remote_connections import Key
+    from rtgen.ui.watching import Attach, Key, Watcher
 
 Place = tuple[float, float]
 _MAX_NOTICE_LENGTH: Final = 2000
@@ -78,6 +77,7 @@ class Session:
     by `Runner.submit`. `clock` creates the clock of a system. `recording` is a file to compare with
     the system. `name_servers` are the addresses of naming services whose components are shown, too.
     `own` has the CORBA objects of the system's components; None if it does not run over CORBA.
+    `attach` begins to watch the components of other processes instead.
     """
 
     def __init__(
@@ -88,6 +88,7 @@ class Session:
         name_servers: Sequence[str] = (),
         own: RtObjects | None = None,
         recording: str = "",
+        attach: Attach | None = None,
     ) -> None:
         """Raise InputError or ToolError if the system cannot be assembled or recorded.
 
@@ -145,7 +146,7 @@ class Session:
         """Names of the connections to other processes, which `remote` contains."""
         self.remote = RemoteState()
         """The components of other processes."""
-        self.watcher: NamingWatcher | None = None
+        self.watcher: Watcher | None = None
         self._watch()
         if name_servers:
             from rtgen.ui.naming_watcher import NamingWatcher
@@ -153,6 +154,8 @@ class Session:
             self.watcher = NamingWatcher(
                 name_servers, self._update_remote, self._report_remote, own
             )
+        elif attach is not None:
+            self.watcher = attach(self._update_remote, self._report_remote)
 
     # Systems.
 
@@ -297,7 +300,7 @@ class Session:
         """Return the key of the connection that receives samples from a port of another process."""
         if address.instance not in self.remote.components:
             return None
-        from rtgen.ui.remote_connections import Key, Use
+        from rtgen.ui.watching import Key, Use
 
         return Key(Use.LISTEN, address.instance, address.port)
 

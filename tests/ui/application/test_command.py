@@ -85,6 +85,21 @@ def test_naming_services_need_omniorb(
     )
 
 
+@pytest.mark.parametrize(
+    ("options", "text"),
+    [
+        (["--transport", "zenoh", "--record", "run.mcap"], "without --nameserver"),
+        (["--transport", "zenoh", "--domain", "3"], "--domain needs --transport dds"),
+        (["--partition", "rh3"], "--partition needs --transport dds or zenoh"),
+    ],
+)
+def test_options_of_another_transport_are_refused(
+    options: list[str], text: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["ui", str(GOAL), "--no-open", *options]) == 3
+    assert text in capfd.readouterr().err
+
+
 def test_it_listens_on_loopback_alone() -> None:
     command = [sys.executable, "-m", "rtgen", "ui", str(GOAL), "--no-open", "--pause"]
     with subprocess.Popen(command, stdout=subprocess.PIPE, text=True) as process:

@@ -5,16 +5,16 @@ from __future__ import annotations
 import os
 import signal
 import subprocess
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from pathlib import Path
-from typing import Any
 
 import pytest
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
-from patience import PATIENCE, until
-from ui_bench import QUIET, RESULT, started_over_corba
+from patience import PATIENCE
+from ui_bench import QUIET, started_over_corba
+from watching_page import Watching, ending
 
 from refrobots.iis import TimedVelocity2D
 from refrobots.rtc import TimedDoubleSeq
@@ -23,8 +23,6 @@ from rtgen.facts.openrtm_ports import foreign_instances
 from rtgen.runtime import RealClock, xcdr
 from rtgen.runtime.corba.name_server import NameServer
 from rtgen.runtime.corba.transport import NamedCorba
-from rtgen.ui.commands import Commands
-from rtgen.ui.outbox import Outbox
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.protocol import ui
 from rtgen.ui.session import Session
@@ -48,8 +46,8 @@ def process(names: str) -> Iterator[subprocess.Popen[bytes]]:
     found.wait(PATIENCE)
 
 
-class Watcher:
-    """A page without a system of its own, which applies events."""
+class Watcher(Watching):
+    """A page that watches a naming service."""
 
     def __init__(
         self, names: str, transport: NamedCorba | None = None, file: str = ""
@@ -57,98 +55,7 @@ class Watcher:
         files = [file] if file else []
         project = CommandProject(QUIET, files, transport=transport)
         own = None if transport is None else transport.rt_objects
-        self.session = Session(project, file, RealClock, [names], own)
-        self.session.runner.start()
-        self._commands = Commands(self.session)
-        self._number = 0
-        self.outbox = Outbox(lambda: None)
-        self.components: dict[str, ui.Component] = {}
-        self.connections: dict[str, ui.Connection] = {}
-        self.services: list[ui.NamingService] = []
-        self.results: dict[int, ui.Result] = {}
-        self.notices: list[str] = []
-        self.channels: list[ui.Channel] = []
-        self.samples: dict[int, list[ui.Sample]] = {}
-        self.edits = ui.EditState()
-        self.session.runner.submit(lambda: self.session.join(self.outbox))
-
-    def follow(self) -> None:
-        """Process the events since the last call."""
-        data = self.outbox.take()
-        for event in ui.ServerMessage.from_cdr(data).events if data else ():
-            value: Any = event.value
-            match event.discriminator:
-                case ui.EventKind.EVENT_SYSTEM:
-                    self.components = {each.instance: each for each in value.components}
-                    self.connections = {each.name: each for each in value.connections}
-                    self.services = value.naming
-                    self.channels = value.channels
-                    self.edits = value.edits
-                case ui.EventKind.EVENT_CHANNEL:
-                    self.channels.append(value)
-                case ui.EventKind.EVENT_SAMPLES:
-                    for each in value:
-                        self.samples.setdefault(each.channel, []).append(each)
-                case ui.EventKind.EVENT_EDITS:
-                    self.edits = value
-                case ui.EventKind.EVENT_COMPONENT:
-                    self.components[value.instance] = value
-                case ui.EventKind.EVENT_REMOVED:
-                    del self.components[value]
-                case ui.EventKind.EVENT_STATE if value.instance in self.components:
-                    self.components[value.instance].current = value.after
-                case ui.EventKind.EVENT_CONNECTED:
-                    self.connections[value.name] = value
-                case ui.EventKind.EVENT_CUT:
-                    del self.connections[value]
-                case ui.EventKind.EVENT_NAMING:
-                    self.services = value
-                case ui.EventKind.EVENT_NOTICE:
-                    self.notices.append(f"{value.kind} {value.instance}")
-                case kind if kind is RESULT:
-                    self.results[value.request] = value
-
-    def until(self, condition: Callable[[], Any]) -> Any:
-        """Return the value of a condition once it is true."""
-        return until(lambda: self.follow() or condition(), shown=self.shown)
-
-    def shown(self) -> str:
-        """Return the parts of the state that tests wait for."""
-        silent = {name: each.silent for name, each in self.components.items()}
-        known = [*self.session.remote.components], [*self.session.foreign]
-        return f"{silent}, {self.services}, {known}, {self.notices}"
-
-    def ask(self, branch: str, value: Any) -> ui.Result:
-        """Send a command; return its result."""
-        self._number += 1
-        asked = getattr(ui.Command, f"of_{branch}")(value)
-        message = ui.ClientMessage(request=self._number, asked=asked)
-        number = self._number
-        self.session.runner.submit(lambda: self._commands.execute(self.outbox, message))
-        self.until(lambda: number in self.results)
-        return self.results[number]
-
-    def done(self, branch: str, value: Any) -> ui.Result:
-        """Send a command that succeeds."""
-        result = self.ask(branch, value)
-        assert result.done, f"{result.code}: {result.message}"
-        return result
-
-    def state(self, name: str) -> ui.State | None:
-        """Return the state that the page shows."""
-        found = self.components.get(name)
-        return None if found is None else found.current
-
-    def wires(self) -> dict[tuple[str, str], str]:
-        """Return the names of connections by their ends, without the naming service."""
-        return {
-            (ending(each.source), ending(each.target)): each.name
-            for each in self.connections.values()
-        }
-
-
-def ending(address: ui.PortAddress) -> str:
-    return f"{address.instance.rpartition('/')[2]}.{address.port}"
+        super().__init__(Session(project, file, RealClock, [names], own))
 
 
 @pytest.fixture(scope="module")

@@ -23,6 +23,9 @@ MIN_DEPTH = 64
 DEFAULT = Qos(depth=MIN_DEPTH)
 """The QoS of a port without connections."""
 
+WATCHING = Qos(reliable=False, depth=MIN_DEPTH)
+"""The QoS of those who only watch: no writer waits for them."""
+
 
 def qos_of(properties: Mapping[str, str]) -> Qos:
     """Return the QoS of a connection. Raises ConnectorPropertyError.

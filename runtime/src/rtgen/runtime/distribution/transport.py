@@ -14,16 +14,23 @@ import msgspec
 from rtgen.runtime.closable import Closable
 from rtgen.runtime.distribution.control import BURST, SHARE, Served
 from rtgen.runtime.distribution.data import (
+    Arrivals,
     OutTopic,
     OwnTopic,
     ReceivingConnector,
     SendingConnector,
 )
 from rtgen.runtime.distribution.descriptions import DataPort
-from rtgen.runtime.distribution.medium import Medium, MediumError, Token
-from rtgen.runtime.distribution.names import ending_name, presence_name
+from rtgen.runtime.distribution.medium import (
+    Medium,
+    MediumError,
+    Sample,
+    Subscription,
+    Token,
+)
+from rtgen.runtime.distribution.names import ending_name, out_topic, presence_name
 from rtgen.runtime.distribution.peers import Peers, Presence
-from rtgen.runtime.distribution.qos import fails_on_loss
+from rtgen.runtime.distribution.qos import WATCHING, fails_on_loss
 from rtgen.runtime.distribution.services import RemoteProvider, ServedProvider
 from rtgen.runtime.distribution.workers import Desk, Workers
 from rtgen.runtime.errors import (
@@ -231,6 +238,25 @@ class DistributedTransport(Closable):
         self._data.append(connector)
         self._watch_loss(here.owner, there, name, properties)
         return connector
+
+    def listen(
+        self, there: RemotePort, type_: type[Any], take: Callable[[Any], None]
+    ) -> Subscription:
+        """Take the values of an OutPort of another process, which waits for none of them.
+
+        Values are taken in a thread of the engine. Raises MediumError.
+        """
+        arrivals = Arrivals(str(there), type_)
+
+        def on_sample(sample: Sample) -> None:
+            value = arrivals.taken(sample)
+            if value is not None:
+                take(value)
+
+        topic = out_topic(there.instance, there.port, type_)
+        subscription = self._medium.subscribe(topic, WATCHING, on_sample)
+        arrivals.subscription = subscription
+        return subscription
 
     def _watch_loss(
         self, instance: str, there: RemotePort, name: str, properties: Mapping[str, str]

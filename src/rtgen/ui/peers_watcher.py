@@ -1,0 +1,322 @@
+"""Follows and controls the components of a system's other processes, over DDS or Zenoh."""
+
+from __future__ import annotations
+
+import queue
+import threading
+import time
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from contextlib import suppress
+from functools import partial
+from typing import TYPE_CHECKING, Any, Final, NoReturn
+
+from msgspec.structs import replace
+
+from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.distribution.control import ControlError
+from rtgen.runtime.distribution.descriptions import Description, Interface
+from rtgen.runtime.distribution.medium import MediumError, Subscription
+from rtgen.runtime.distribution.transport import DistributedTransport
+from rtgen.runtime.marshalling.comparison import definition, text_difference
+from rtgen.runtime.services.transports import RemotePort
+from rtgen.tools.recording.recorder import cdr_encoder
+from rtgen.ui.edits import Edit
+from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
+from rtgen.ui.protocol import ui
+from rtgen.ui.protocol.ui import CommandKind, PortKind
+from rtgen.ui.remote_state import RemoteState
+from rtgen.ui.watching import Key, Take
+
+if TYPE_CHECKING:
+    from rtgen.runtime.marshalling.descriptors import DataType
+    from rtgen.runtime.services.servants import Servant
+
+_PERIOD: Final = 0.5
+"""The time between two queries of all components [s]."""
+_MAX_WAITING: Final = 256
+_STATES: Final = {
+    "CREATED_STATE": ui.State.STATE_CREATED,
+    "INACTIVE_STATE": ui.State.STATE_INACTIVE,
+    "ACTIVE_STATE": ui.State.STATE_ACTIVE,
+    "ERROR_STATE": ui.State.STATE_ERROR,
+}
+_REQUESTS: Final = {
+    CommandKind.COMMAND_ACTIVATE: "activate",
+    CommandKind.COMMAND_DEACTIVATE: "deactivate",
+    CommandKind.COMMAND_RESET: "reset",
+}
+
+
+class PeersWatcher:
+    """Queries the components of a system, and carries out commands for them.
+
+    `place` says where they are. `connections` are those of the system's file; they are shown while
+    both ends are present.
+    """
+
+    def __init__(
+        self,
+        transport: DistributedTransport,
+        place: str,
+        connections: Sequence[ui.Connection],
+        data_type: Callable[[str], type[DataType] | None],
+        publish: Callable[[RemoteState], bool],
+        report: Callable[[str, str], None],
+        period: float = _PERIOD,
+    ) -> None:
+        self._transport = transport
+        self._peers = transport.peers
+        self._peers.listeners.clear()
+        self._place = place
+        self._wires = connections
+        self._data_type = data_type
+        self._publish = publish
+        self._report = report
+        self._period = period
+        self._components: dict[str, ui.Component] = {}
+        self._descriptions: dict[str, Description] = {}
+        self._published = RemoteState()
+        self._takers: Mapping[Key, Take] = {}
+        self._listened: Mapping[Key, Take] = self._takers
+        self._taps: dict[Key, Subscription] = {}
+        self._requests: queue.Queue[Callable[[], None]] = queue.Queue(_MAX_WAITING)
+        self._closing = threading.Event()
+        self._thread = threading.Thread(
+            target=self._run, name="rtgen-ui-peers", daemon=True
+        )
+        self._thread.start()
+
+    def close(self) -> None:
+        """Stop watching; waits for a call in progress. States stay as they are."""
+        self._closing.set()
+        with suppress(queue.Full):
+            self._requests.put_nowait(lambda: None)
+        self._thread.join()
+        for tap in self._taps.values():
+            tap.close()
+        self._transport.close()
+
+    def submit(self, request: Callable[[], None]) -> bool:
+        """Queue a request, which must not raise; return False if too many wait."""
+        try:
+            self._requests.put_nowait(request)
+        except queue.Full:
+            return False
+        return True
+
+    def watch(self, takers: Mapping[Key, Take]) -> None:
+        """Receive the samples of only these OutPorts from now on; from any thread."""
+        self._takers = takers
+        self.submit(lambda: None)
+
+    # Queries.
+
+    def _run(self) -> None:
+        while not self._closing.is_set():
+            next_round = time.monotonic() + self._period
+            present = self._peers.instances
+            for instance in [*self._components]:
+                if instance not in present:
+                    self._lose(instance)
+            for instance in present:
+                self._carry_out_waiting()
+                if self._closing.is_set():
+                    return
+                self._query(instance)
+            self._settle()
+            while (remaining := next_round - time.monotonic()) > 0:
+                try:
+                    self._requests.get(timeout=remaining)()
+                except queue.Empty:
+                    break
+                if self._closing.is_set():
+                    return
+                self._settle()
+
+    def _carry_out_waiting(self) -> None:
+        with suppress(queue.Empty):
+            while not self._closing.is_set():
+                self._requests.get_nowait()()
+
+    def _lose(self, instance: str) -> None:
+        silent = "its process has ended, or cannot be reached"
+        self._components[instance] = replace(self._components[instance], silent=silent)
+        self._descriptions.pop(instance, None)
+
+    def _query(self, instance: str) -> None:
+        try:
+            asker = self._peers.asker(instance)
+            described = self._descriptions.get(instance) or asker.describe()
+            self._descriptions[instance] = described
+            state, sets = asker.state(), asker.parameters()
+        except (ControlError, MediumError) as error:
+            before = self._components.get(instance)
+            if before is not None:
+                self._components[instance] = replace(before, silent=str(error))
+            return
+        self._components[instance] = ui.Component(
+            instance=instance,
+            type=described.type,
+            current=_STATES.get(state.state, ui.State.STATE_CREATED),
+            reason=state.reason,
+            ports=[*_ports(described)],
+            parameters=[
+                ui.Parameter(name=name) for name in sets.sets.get(sets.active, {})
+            ],
+            configuration_sets=[
+                ui.ConfigurationSet(name, [ui.Value(*pair) for pair in values.items()])
+                for name, values in sets.sets.items()
+            ],
+            active_set=sets.active,
+            place=self._place,
+        )
+
+    def _settle(self) -> None:
+        """Publish the state if it has changed, and receive what pages watch."""
+        here = self._components
+        joined = {
+            each.name: each
+            for each in self._wires
+            if each.source.instance in here and each.target.instance in here
+        }
+        now = RemoteState((), dict(here), joined)
+        if now != self._published and self._publish(now):
+            self._published = now
+        if self._takers is self._listened and self._taps.keys() == self._takers.keys():
+            return
+        self._listened = self._takers
+        for key in [*self._taps]:
+            if key not in self._listened:
+                self._taps.pop(key).close()
+        for key, take in self._listened.items():
+            if key not in self._taps:
+                self._listen(key, take)
+
+    def _listen(self, key: Key, take: Take) -> None:
+        described = self._descriptions.get(key.instance)
+        port = None if described is None else described.out_ports.get(key.port)
+        type_ = None if port is None else self._data_type(port.type)
+        if port is None or type_ is None:
+            return
+        if text_difference(definition(type_._descriptor_), port.definition):
+            self._refuse(key, f"the project defines {port.type} in another way")
+            return
+        encode = cdr_encoder(type_)
+        if encode is None:
+            return
+
+        def on_value(value: Any) -> None:
+            with suppress(CdrError):
+                take(encode(value))
+
+        there = RemotePort(key.instance, key.port)
+        try:
+            self._taps[key] = self._transport.listen(there, type_, on_value)
+        except MediumError as error:
+            self._refuse(key, str(error))
+
+    def _refuse(self, key: Key, reason: str) -> None:
+        self._takers = {k: t for k, t in self._takers.items() if k != key}
+        self._report(key.instance, f"{key.port} gives no samples: {reason}")
+
+    # Commands.
+
+    def carry_out(self, command: ui.Command) -> Edit | None:
+        """Carry out a command; by `submit` only. Raises CommandError."""
+        value: Any = command.value
+        kind = command.discriminator
+        if kind in _REQUESTS:
+            for instance in value:
+                self._ask(instance, _REQUESTS[kind])
+            self._query_again(value)
+            return None
+        if kind is CommandKind.COMMAND_SET:
+            return self._setting(value)
+        if kind is CommandKind.COMMAND_ACTIVATE_SET:
+            return self._use(value)
+        message = "not possible for components of processes that are only watched"
+        raise CommandError(IMPOSSIBLE, message, "their system's file has the wiring")
+
+    def call(self, command: ui.Call, interface: type[Servant], type_name: str) -> bytes:
+        """Raise CommandError: services are called by `rtgen ctl call`."""
+        self._impossible("`rtgen ctl call` calls them")
+
+    def give(self, address: ui.PortAddress, value: DataType) -> None:
+        """Raise CommandError: a port takes the samples of its connections alone."""
+        self._impossible("a component that is connected to it sends samples")
+
+    def _impossible(self, hint: str) -> NoReturn:
+        raise CommandError(
+            IMPOSSIBLE, "not possible for components that are only watched", hint
+        )
+
+    def _ask(self, instance: str, method: str, *arguments: str) -> None:
+        """Make a request of a component. Raises CommandError."""
+        if instance not in self._components:
+            raise CommandError(UNKNOWN, f"no process has {instance}")
+        try:
+            result = getattr(self._peers.asker(instance), method)(*arguments)
+        except (ControlError, MediumError) as error:
+            raise CommandError(CALL_FAILED, str(error)) from error
+        if result not in (None, "RTC_OK"):
+            raise CommandError(CALL_FAILED, f"{instance}: {method}: {result}")
+
+    def _query_again(self, instances: Iterable[str]) -> None:
+        for instance in instances:
+            self._query(instance)
+        self._settle()
+
+    def _setting(self, command: ui.SetParameter) -> Edit:
+        instance, parameter = command.instance, command.parameter
+        component = self._components.get(instance, ui.Component())
+        set_id = command.set or component.active_set
+        sets = {each.name: each.values for each in component.configuration_sets}
+        texts = {each.name: each.text for each in sets.get(set_id, ())}
+
+        def put(text: str) -> None:
+            self._ask(instance, "set", parameter, text, set_id)
+            self._query_again([instance])
+
+        put(command.text)
+        label = f"{instance}.{parameter} = {command.text}"[:200]
+        undo = partial(put, texts.get(parameter, ""))
+        return Edit(label, partial(put, command.text), undo, remote=True)
+
+    def _use(self, command: ui.ActiveSet) -> Edit:
+        instance = command.instance
+        before = self._components.get(instance, ui.Component()).active_set
+
+        def put(set_id: str) -> None:
+            self._ask(instance, "activate_set", set_id)
+            self._query_again([instance])
+
+        put(command.set)
+        label = f"{instance}: set {command.set}"[:200]
+        return Edit(label, partial(put, command.set), partial(put, before), remote=True)
+
+
+def _ports(described: Description) -> Iterable[ui.Port]:
+    for kind, ports in (
+        (PortKind.PORT_IN, described.in_ports),
+        (PortKind.PORT_OUT, described.out_ports),
+    ):
+        for name, port in ports.items():
+            yield ui.Port(name=name, kind=kind, type=port.type, type_number=-1)
+    interfaces: dict[str, list[ui.ServiceInterface]] = {}
+    for provided, found in (
+        (True, described.providers),
+        (False, described.consumers),
+    ):
+        for each in found:
+            own = interfaces.setdefault(each.port, [])
+            own.append(_interface(each, provided=provided))
+    for name, own in interfaces.items():
+        yield ui.Port(
+            name=name, kind=PortKind.PORT_SERVICE, type_number=-1, interfaces=own
+        )
+
+
+def _interface(interface: Interface, *, provided: bool) -> ui.ServiceInterface:
+    return ui.ServiceInterface(
+        name=interface.instance, type=interface.name, provided=provided
+    )
