@@ -96,7 +96,7 @@ def test_naming_services_need_omniorb(
 def test_options_of_another_transport_are_refused(
     options: list[str], text: str, capfd: pytest.CaptureFixture[str]
 ) -> None:
-    assert run(["ui", str(GOAL), "--no-open", *options]) == 3
+    assert run(["ui", str(GOAL), "--no-open", *options]) == 2
     assert text in capfd.readouterr().err
 
 
