@@ -143,7 +143,7 @@ def program(path: str, channel: str) -> Iterator[None]:
     with (
         theirs,
         can.Bus(interface="virtual", channel=channel) as bus,
-        subprocess.Popen([path], stdin=theirs) as process,
+        subprocess.Popen([path], stdin=theirs.fileno()) as process,
     ):
         booted = threading.Event()
 
