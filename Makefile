@@ -101,9 +101,11 @@ codecs: export PYTHONPATH = $(CURDIR)/build/speed
 codecs: speed
 	$(call PYTEST,build/pytest-codecs,$(MARSHALLING))
 
-MARSHALLING = tests/compiler/types tests/fuzz/test_doors.py tests/ros2/test_marshaling.py tests/runtime/corba \
-	tests/runtime/system tests/runtime/transports tests/interop/test_cdr_constructs.py \
-	tests/interop/test_cdr_omniorb.py tests/interop/test_random_types_omniorb.py tests/tools/diff
+MARSHALLING = tests/compiler/types tests/fuzz/test_doors.py tests/ros2/test_marshaling.py \
+	tests/runtime/corba/test_corba_anys.py tests/runtime/corba/test_corba_types.py \
+	tests/runtime/system/test_data_port_buffers.py tests/interop/test_cdr_constructs.py \
+	tests/interop/test_cdr_omniorb.py tests/interop/test_random_types_omniorb.py \
+	tests/tools/diff/test_wire_of_types.py
 
 FOLDER = tests$(if $(WING),/$(WING))
 WAITING = $(shell grep -rl --include='*.py' mark.waits $(FOLDER))
