@@ -198,17 +198,27 @@ static PyObject *take_rows(Reader *r, const Node *node, Py_ssize_t depth) {
     return list;
 }
 
-/* Numbers as an array of rtgen: by its constructor, in a copy of the octets. */
+/* Appends octets to an array without a copy of them, and swaps its numbers. */
+static int fill(PyObject *array, const Node *node, const unsigned char *at, Py_ssize_t size, int swap) {
+    PyObject *view = PyMemoryView_FromMemory((char *)at, size, PyBUF_READ);
+    PyObject *result = view == NULL ? NULL : PyObject_CallMethod(array, "frombytes", "O", view);
+    Py_XDECREF(view);
+    if (result == NULL) return -1;
+    Py_DECREF(result);
+    if (!swap) return 0;
+    Py_buffer numbers;
+    if (PyObject_GetBuffer(array, &numbers, PyBUF_WRITABLE)) return -1;
+    swap_all(numbers.buf, numbers.len / node->child->size, node->child->size);
+    PyBuffer_Release(&numbers);
+    return 0;
+}
+
+/* Numbers as an array of rtgen. */
 static PyObject *array_of(const Node *node, const unsigned char *at, Py_ssize_t size, int swap) {
     PyObject *code = PyUnicode_FromOrdinal(node->code);
-    PyObject *octets = size ? PyBytes_FromStringAndSize((const char *)at, size) : NULL;
-    PyObject *made = NULL;
-    if (code != NULL && numeric_array != NULL && (octets != NULL || !size)) {
-        if (octets != NULL && swap) swap_all(PyBytes_AS_STRING(octets), size / node->child->size, node->child->size);
-        made = PyObject_CallFunctionObjArgs(numeric_array, code, octets, NULL);
-    }
+    PyObject *made = code == NULL || numeric_array == NULL ? NULL : PyObject_CallOneArg(numeric_array, code);
     Py_XDECREF(code);
-    Py_XDECREF(octets);
+    if (made != NULL && size && fill(made, node, at, size, swap)) Py_CLEAR(made);
     return made;
 }
 
