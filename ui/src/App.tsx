@@ -1,48 +1,98 @@
-/** The page: what is running, the palette, the wiring, the panel of what is selected, and the time. */
+/** The page: what is running, its views, and the time. */
 
 import * as Tooltip from "@radix-ui/react-tooltip";
 import { X } from "lucide-react";
-import { useCallback, useMemo, useState, useSyncExternalStore } from "react";
+import type { ReactNode } from "react";
+import { useCallback, useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
+import type { WorkspaceImperativeHandle } from "react-resizable-panels";
+import { state, stated } from "./address.ts";
+import { Bar } from "./Bar.tsx";
+import { Board } from "./Board.tsx";
+import { BusView } from "./Bus.tsx";
 import { Commands } from "./Commands.tsx";
-import { Head } from "./Head.tsx";
+import { Console } from "./Console.tsx";
+import { Drive } from "./Drive.tsx";
+import { Head, Tools } from "./Head.tsx";
+import { exists, named } from "./Inspector.tsx";
+import type { Subject } from "./Inspector.tsx";
 import { Button, IconButton } from "./kit/Button.tsx";
-import { Split } from "./kit/Split.tsx";
-import type { Pane } from "./kit/Split.tsx";
+import { Tabs } from "./kit/Tabs.tsx";
 import { Keys, useKeys } from "./keys.tsx";
+import { MapView } from "./MapView.tsx";
 import { Palette } from "./Palette.tsx";
-import type { Tab } from "./Panel.tsx";
-import { Panel, focusView } from "./Panel.tsx";
+import { Panel, Timeline } from "./Panel.tsx";
+import { Plots } from "./Plots.tsx";
 import { openPicker } from "./picker.ts";
 import { Rename } from "./Rename.tsx";
+import { PHONE, ROOM, useWidth } from "./width.ts";
 import { TimeBar } from "./TimeBar.tsx";
+import { COMPONENT, PRESETS, hasContent, isOfComponent, isView, read } from "./views.ts";
+import type { View } from "./views.ts";
 import { Wiring } from "./Wiring.tsx";
+import { Arranger, Workspace } from "./Workspace.tsx";
 import type { PlannedEvent } from "./protocol/Ui.ts";
-import { store } from "./store.ts";
+import { stateClass, stateOf, store } from "./store.ts";
 
 const NOTHING: readonly PlannedEvent[] = [];
-/** Whether the palette is open; kept when the page is reloaded. */
-const PALETTE = "rtgen palette";
+/** The panes of the last page. */
+const PANES = "rtgen panes";
+
+const remembered = (): string => stated("panes") || (localStorage.getItem(PANES) ?? "");
+/** Moves the focus to a view that was opened. */
+const focusView = (view: View): void => void requestAnimationFrame(() => document.querySelector<HTMLElement>(`[data-view=${view}]`)?.focus());
 
 export function App() {
   const page = useSyncExternalStore(store.subscribe, store.snapshot);
-  const [selected, select] = useState("");
-  const [tab, open] = useState<Tab>("Values");
-  const [adding, setAdding] = useState(() => sessionStorage.getItem(PALETTE) === "open");
+  const [isWide, isPhone] = [useWidth(ROOM), useWidth(PHONE)];
+  const [selected, choose] = useState(() => stated("component"));
+  const [panes, setPanes] = useState(remembered);
+  const [shown, setShown] = useState<View>(() => (isView(stated("view")) ? (stated("view") as View) : "Wiring"));
   const [asked, ask] = useState<"commands" | "keys">();
-  const [wire, inspect] = useState("");
+  const [wanted, setSubject] = useState<Subject>();
+  const [port, choosePort] = useState("");
   const [renaming, rename] = useState<string>();
-  const openFromWiring = useCallback((view: Tab) => {
-    open(view);
-    focusView();
+  const handle = useRef<WorkspaceImperativeHandle<View>>(null);
+  const arranger = useMemo(() => new Arranger(handle), []);
+  const select = useCallback((instance: string) => {
+    choose(instance);
+    choosePort("");
+    state("component", instance);
   }, []);
-  const add = useCallback((shown: boolean) => {
-    setAdding(shown);
-    sessionStorage.setItem(PALETTE, shown ? "open" : "closed");
+  const open = useCallback(
+    (view: View) => {
+      arranger.open(view);
+      setShown(view);
+      state("view", view === "Wiring" ? "" : view);
+      focusView(view);
+    },
+    [arranger],
+  );
+  const inspect = useCallback(
+    (subject: Subject | undefined) => {
+      setSubject(subject);
+      if (subject && !arranger.showsComponent) arranger.open("Values");
+    },
+    [arranger],
+  );
+  const arrange = useCallback((name: string) => arranger.arrange(PRESETS[name]!()), [arranger]);
+  const changed = useCallback((text: string) => {
+    setPanes(text);
+    state("panes", text);
+    localStorage.setItem(PANES, text);
   }, []);
+  const add = useCallback(
+    (adding: boolean) => {
+      if (adding) open("Palette");
+      else arranger.close("Palette");
+      if (!adding) setShown((now) => (now === "Palette" ? "Wiring" : now));
+    },
+    [arranger, open],
+  );
   const { system } = page;
   const past = system?.time.past ?? false;
   const full = page.full && !past;
   const component = system?.components.find((each) => each.instance === selected);
+  const subject = system && wanted && exists(system, wanted) ? wanted : undefined;
   const bindings = useMemo(
     () => ({
       keys: () => ask("keys"),
@@ -53,24 +103,41 @@ export function App() {
   );
   useKeys(system, full, bindings);
 
+  useEffect(() => {
+    const follow = () => {
+      const tree = read(stated("panes"));
+      if (tree) arranger.arrange(tree);
+      choose(stated("component"));
+      if (isView(stated("view"))) setShown(stated("view") as View);
+    };
+    window.addEventListener("hashchange", follow);
+    return () => window.removeEventListener("hashchange", follow);
+  }, [arranger]);
+
+  const calls = store.traffic.calls.length;
+  const offered = (view: View): boolean => system !== undefined && hasContent(view, system, calls);
+  const [buses, boards, names] = [offered("Buses"), offered("Boards"), offered("Palette")];
+  const isReady = system !== undefined && isWide;
+  // Views that have got something to show come, those that have lost it go.
+  useEffect(() => {
+    if (!isReady) return;
+    for (const [view, has] of [["Buses", buses], ["Boards", boards]] as const)
+      if (has) arranger.add(view);
+      else if (!arranger.isAlone(view)) arranger.close(view);
+  }, [arranger, isReady, buses, boards]);
+  useEffect(() => {
+    if (isReady && names) arranger.add("Palette");
+  }, [arranger, isReady, names]);
+
   const { plan = NOTHING } = system ?? {};
   const passed = plan.filter((each) => each.time <= (system?.time.now ?? 0)).length;
   const planned = useMemo(() => plan.slice(passed).filter((each) => each.kind === "connect"), [plan, passed]);
   const addFromWiring = useCallback(() => add(true), [add]);
 
-  const panes: Pane[] = [];
-  if (system) {
-    if (adding || system.naming.length > 0)
-      panes.push({
-        id: "palette",
-        size: "260px",
-        least: "180px",
-        content: <Palette system={system} full={full} selected={selected} select={select} adding={adding} close={() => add(false)} />,
-      });
-    panes.push({
-      id: "wiring",
-      least: "260px",
-      content: (
+  const content = (view: View): ReactNode => {
+    if (!system) return null;
+    if (view === "Wiring")
+      return (
         <Wiring
           file={system.edits.file}
           components={system.components}
@@ -82,38 +149,55 @@ export function App() {
           statistics={page.statistics}
           selected={selected}
           select={select}
-          open={openFromWiring}
+          open={open}
           rename={rename}
           inspect={inspect}
           add={addFromWiring}
         />
-      ),
-    });
-    panes.push({
-      id: "panel",
-      size: "400px",
-      least: "300px",
-      content: (
+      );
+    if (view === "Palette") return <Palette system={system} full={full} selected={selected} select={select} close={() => add(false)} />;
+    if (isOfComponent(view))
+      return (
         <Panel
+          view={view}
           system={system}
           component={component}
           statistics={page.statistics.get(selected)}
-          lines={page.lines}
           full={full}
           select={select}
-          tab={tab}
-          open={open}
           rename={rename}
-          connection={system.connections.find((each) => each.name === wire)}
+          subject={subject}
           inspect={inspect}
+          open={open}
+          port={port}
+          choosePort={choosePort}
         />
-      ),
-    });
-  }
+      );
+    return (
+      <div className="panel" data-view={view} tabIndex={-1}>
+        {view === "Plots" ? (
+          <Plots system={system} />
+        ) : view === "Map" ? (
+          <MapView system={system} />
+        ) : view === "Drive" ? (
+          <Drive system={system} full={full} />
+        ) : view === "Buses" ? (
+          <BusView system={system} full={full} />
+        ) : view === "Boards" ? (
+          <Board />
+        ) : view === "Console" ? (
+          <Console said={page.said} />
+        ) : (
+          <Timeline lines={page.lines} />
+        )}
+      </div>
+    );
+  };
+  const head = { page, full, adding: isWide ? panes.includes("Palette") : shown === "Palette", add, arrange };
   return (
     <Tooltip.Provider delayDuration={400}>
-      <div className="app" onKeyDown={openPicker}>
-        <Head page={page} full={full} adding={adding} add={add} ask={ask} />
+      <div className={`app ${isWide ? "wide" : "narrow"}`} onKeyDown={openPicker}>
+        <Head {...head} isPhone={isPhone} isWide={isWide} ask={ask} />
         <p className="announced" role="log" aria-label="Changes of the wiring">
           {page.announced}
         </p>
@@ -125,13 +209,45 @@ export function App() {
             </div>
           </div>
         )}
-        {system ? (
-          <main>
-            <Split key={panes.map((each) => each.id).join()} id="rtgen panes" panes={panes} className="panes" />
-          </main>
-        ) : (
+        {!system ? (
           <main className="empty">
             <strong>Waiting for the system.</strong>
+          </main>
+        ) : isWide ? (
+          <main>
+            <Workspace handle={handle} first={read(remembered()) ?? PRESETS["Wire"]!()} changed={changed} content={content} />
+          </main>
+        ) : (
+          <main>
+            {/* The wiring keeps its layout while another view is shown. */}
+            <div className="screen" hidden={shown !== "Wiring"}>
+              {content("Wiring")}
+            </div>
+            {isOfComponent(shown) ? (
+              <div className="screen">
+                <Tabs label="Views of the component" names={COMPONENT} shown={shown as (typeof COMPONENT)[number]} show={open}>
+                  {content(shown)}
+                </Tabs>
+              </div>
+            ) : (
+              shown !== "Wiring" && <div className="screen">{content(shown)}</div>
+            )}
+            {shown === "Wiring" && (component || subject) && (
+              <div className="peek card">
+                {subject ? (
+                  <bdi>{named(system, subject)}</bdi>
+                ) : (
+                  component && (
+                    <span>
+                      <bdi>{component.instance}</bdi> <span className={`state ${stateClass(component)}`}>{stateOf(component)}</span>
+                    </span>
+                  )
+                )}
+                <Button look="primary" onClick={() => open("Values")}>
+                  Details
+                </Button>
+              </div>
+            )}
           </main>
         )}
         {system?.time.reason && (
@@ -144,7 +260,12 @@ export function App() {
             )}
           </p>
         )}
-        {system && <TimeBar system={system} full={full} lines={page.lines} live={page.link === "live"} />}
+        {system && <TimeBar system={system} full={full} lines={page.lines} live={page.link === "live"} brief={isPhone && shown !== "Timeline"} />}
+        {system && !isWide && (
+          <Bar shown={shown} show={open} offered={offered}>
+            {isPhone && <Tools {...head} />}
+          </Bar>
+        )}
       </div>
       {asked === "keys" && <Keys close={() => ask(undefined)} />}
       {asked === "commands" && system && (
@@ -154,8 +275,8 @@ export function App() {
           component={component}
           close={() => ask(undefined)}
           select={select}
-          open={openFromWiring}
-          add={() => add(true)}
+          open={open}
+          arrange={isWide ? arrange : undefined}
           help={() => ask("keys")}
           rename={rename}
         />
@@ -164,4 +285,3 @@ export function App() {
     </Tooltip.Provider>
   );
 }
-

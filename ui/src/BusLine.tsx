@@ -1,7 +1,8 @@
 /** A CAN bus below the boxes: a line with its nodes and their components. */
 
 import type { Node, NodeProps } from "@xyflow/react";
-import { createContext, useContext } from "react";
+import { useContext } from "react";
+import { Inspecting } from "./Inspector.tsx";
 import type { Line } from "./lines.ts";
 import type { Point } from "./layout.ts";
 import { NODE } from "./layout.ts";
@@ -20,9 +21,6 @@ export interface BusData extends Record<string, unknown> {
 
 export type BusNode = Node<BusData, "bus">;
 
-/** Opens the view of buses. */
-export const OpenBuses = createContext<() => void>(() => undefined);
-
 const COLOURS = new Map([
   ["operational", "STATE_ACTIVE"],
   ["pre-operational", "STATE_INACTIVE"],
@@ -30,7 +28,7 @@ const COLOURS = new Map([
 ]);
 
 export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
-  const open = useContext(OpenBuses);
+  const inspect = useContext(Inspecting);
   return (
     <section className="bus-line" aria-label={`Bus ${line.name}`} style={{ width }}>
       <svg aria-hidden width={width} height={NODE.height} overflow="visible">
@@ -56,7 +54,7 @@ export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
           style={{ left: nodes[i]!.x - NODE.width / 2, width: NODE.width, height: NODE.height }}
           aria-label={`${node.id} ${node.name} ${node.nmtState || "unknown"}, node of ${line.name}`}
           title={[`${node.id} ${node.name}`, node.nmtState, ...node.proxies.map((each) => `proxy ${each}`), ...node.devices.map((each) => `device ${each}`)].filter(Boolean).join("\n")}
-          onClick={open}
+          onClick={() => inspect({ kind: "node", bus: line.name, id: node.id })}
         >
           <strong>
             {node.id} <bdi>{node.name}</bdi>

@@ -1,10 +1,10 @@
 /** The command palette: each command, component, view and system by its name. */
 
 import { Command } from "cmdk";
-import type { Tab } from "./Panel.tsx";
-import { TABS } from "./Panel.tsx";
 import type { Command as Order, Component, SystemState } from "./protocol/Ui.ts";
 import { stateOf, store } from "./store.ts";
+import type { View } from "./views.ts";
+import { PRESETS, VIEWS } from "./views.ts";
 
 /** How well a name has all words of a search: best at its beginning, then at that of its words; 0: not. */
 function rank(name: string, search: string): number {
@@ -20,13 +20,14 @@ interface Props {
   component: Component | undefined;
   close: () => void;
   select: (instance: string) => void;
-  open: (tab: Tab) => void;
-  add: () => void;
+  open: (view: View) => void;
+  /** Undefined where there is no room for panes. */
+  arrange: ((name: string) => void) | undefined;
   help: () => void;
   rename: (instance: string) => void;
 }
 
-export function Commands({ system, full, component, close, select, open, add, help, rename }: Props) {
+export function Commands({ system, full, component, close, select, open, arrange, help, rename }: Props) {
   const { time, edits } = system;
   const simulated = time.kind === "CLOCK_SIMULATED";
   const item = (name: string, act: () => void, keys = "", more = "") => (
@@ -74,8 +75,8 @@ export function Commands({ system, full, component, close, select, open, add, he
           {system.components.map((each) => item(`Select ${each.instance}`, () => select(each.instance), "", `${each.type}, ${stateOf(each)}`))}
         </Command.Group>
         <Command.Group heading="Views">
-          {TABS.map((tab) => item(`View ${tab}`, () => open(tab)))}
-          {item("Palette of components", add)}
+          {VIEWS.map((view) => (view === "Palette" ? item("Palette of components", () => open(view)) : item(`View ${view}`, () => open(view))))}
+          {arrange && Object.keys(PRESETS).map((name) => item(`Layout ${name}`, () => arrange(name)))}
           {item("Keys", help, "?")}
         </Command.Group>
         {full && system.systems.length > 1 && edits.saved && (

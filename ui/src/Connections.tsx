@@ -26,8 +26,7 @@ function Refusal({ name, reason }: { name: string; reason: string }) {
   );
 }
 
-export function Connections({ system, component, full }: { system: SystemState; component: Component; full: boolean }) {
-  const [chosen, choose] = useState("");
+export function Connections({ system, component, full, chosen, choose }: { system: SystemState; component: Component; full: boolean; chosen: string; choose: (port: string) => void }) {
   const [fits, setFits] = useState<readonly Fit[]>();
   const [misfit, ask] = useState<Misfit>();
   const port = component.ports.find((each) => each.name === chosen);

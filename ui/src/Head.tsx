@@ -1,12 +1,15 @@
 /** The head of the page: what runs, its file and edits, all components at once, and the way to everything else. */
 
-import { CircleHelp, Command as CommandIcon, Play, Plus, Redo2, RotateCcw, Square, Undo2 } from "lucide-react";
+import { CircleHelp, Command as CommandIcon, LayoutPanelLeft, Play, Plus, Redo2, RotateCcw, Square, Undo2 } from "lucide-react";
 import { useEffect, useState } from "react";
 import { Button, IconButton } from "./kit/Button.tsx";
 import { Question } from "./kit/Dialog.tsx";
+import { Menu } from "./Menu.tsx";
+import type { Place } from "./Menu.tsx";
 import type { EditState, SystemState } from "./protocol/Ui.ts";
 import type { Page } from "./store.ts";
 import { store } from "./store.ts";
+import { PRESETS } from "./views.ts";
 
 /** The names of systems by their files, with the folder where a name alone is ambiguous. */
 function namesOf(files: readonly string[]): ReadonlyMap<string, string> {
@@ -111,8 +114,59 @@ function Mark() {
   );
 }
 
-export function Head(props: { page: Page; full: boolean; adding: boolean; add: (shown: boolean) => void; ask: (what: "commands" | "keys") => void }) {
-  const { page, full, adding, add, ask } = props;
+interface Shown {
+  page: Page;
+  full: boolean;
+  /** Whether the palette is open. */
+  adding: boolean;
+  add: (shown: boolean) => void;
+}
+
+/** The system's file, the palette, and all components at once: in the head, or behind `More` on a phone. */
+export function Tools({ page: { system }, full, adding, add }: Shown) {
+  if (!system) return null;
+  return (
+    <>
+      {system.systems.length > 1 && <Systems system={system} full={full} />}
+      <Save edits={system.edits} full={full} />
+      {system.palette.length > 0 && (
+        <Button icon={Plus} aria-pressed={adding} onClick={() => add(!adding)}>
+          Components
+        </Button>
+      )}
+      <div className="group" role="group" aria-label="All components">
+        <Button icon={Play} disabled={!full} aria-label="Activate all" title="Activate all components" onClick={() => store.order({ case: "activated", value: [] })}>
+          All
+        </Button>
+        <IconButton icon={Square} label="Deactivate all" disabled={!full} onClick={() => store.order({ case: "deactivated", value: [] })} />
+        <IconButton icon={RotateCcw} label="Reset all" disabled={!full} onClick={() => store.order({ case: "restored", value: [] })} />
+      </div>
+    </>
+  );
+}
+
+/** Panes for a purpose. */
+function Layouts({ arrange }: { arrange: (name: string) => void }) {
+  const [menu, show] = useState<Place>();
+  return (
+    <>
+      <Button
+        icon={LayoutPanelLeft}
+        aria-haspopup="menu"
+        onClick={(e) => {
+          const box = e.currentTarget.getBoundingClientRect();
+          show({ label: "Layouts", x: box.left, y: box.bottom });
+        }}
+      >
+        Layout
+      </Button>
+      {menu && <Menu place={menu} items={Object.keys(PRESETS).map((name) => ({ name, act: () => arrange(name) }))} close={() => show(undefined)} />}
+    </>
+  );
+}
+
+export function Head(props: Shown & { isPhone: boolean; isWide: boolean; arrange: (name: string) => void; ask: (what: "commands" | "keys") => void }) {
+  const { page, full, isPhone, isWide, arrange, ask } = props;
   const { system } = page;
   const past = system?.time.past ?? false;
   const { undo = "", redo = "" } = system?.edits ?? {};
@@ -122,28 +176,16 @@ export function Head(props: { page: Page; full: boolean; adding: boolean; add: (
       <Mark />
       <div className="name">
         <h1 title={system?.name}>{system?.name || "rtgen"}</h1>
-        {system?.doc && <p title={system.doc}>{system.doc}</p>}
+        {system?.doc && !isPhone && <p title={system.doc}>{system.doc}</p>}
       </div>
       {system && (
         <>
-          {system.systems.length > 1 && <Systems system={system} full={full} />}
-          <Save edits={system.edits} full={full} />
+          {!isPhone && <Tools {...props} />}
           <div className="toolbar" role="group" aria-label="Edits">
             <IconButton icon={Undo2} label="Undo" tip={undo ? `Undo: ${undo}` : "Undo"} keys="Ctrl Z" disabled={!full || undo === ""} onClick={() => store.order({ case: "undone", value: true })} />
             <IconButton icon={Redo2} label="Redo" tip={redo ? `Redo: ${redo}` : "Redo"} keys="Ctrl Y" disabled={!full || redo === ""} onClick={() => store.order({ case: "redone", value: true })} />
-            {system.palette.length > 0 && (
-              <Button icon={Plus} aria-pressed={adding} onClick={() => add(!adding)}>
-                Components
-              </Button>
-            )}
           </div>
-          <div className="group" role="group" aria-label="All components">
-            <Button icon={Play} disabled={!full} aria-label="Activate all" title="Activate all components" onClick={() => store.order({ case: "activated", value: [] })}>
-              All
-            </Button>
-            <IconButton icon={Square} label="Deactivate all" disabled={!full} onClick={() => store.order({ case: "deactivated", value: [] })} />
-            <IconButton icon={RotateCcw} label="Reset all" disabled={!full} onClick={() => store.order({ case: "restored", value: [] })} />
-          </div>
+          {isWide && <Layouts arrange={arrange} />}
         </>
       )}
       <span className={`link ${page.link}`} role="status">
@@ -152,7 +194,7 @@ export function Head(props: { page: Page; full: boolean; adding: boolean; add: (
       </span>
       <div className="toolbar">
         <IconButton icon={CommandIcon} look="plain" label="Commands" keys="Ctrl K" onClick={() => ask("commands")} />
-        <IconButton icon={CircleHelp} look="plain" label="Keys" keys="?" onClick={() => ask("keys")} />
+        {!isPhone && <IconButton icon={CircleHelp} look="plain" label="Keys" keys="?" onClick={() => ask("keys")} />}
       </div>
     </header>
   );

@@ -1,85 +1,405 @@
-/** The selected connection: its ends, their types and units, its properties, and what becomes of its samples. */
+/** What is selected besides a component: a connection with its properties, a port, a node of a bus. */
 
 import { Scissors, X } from "lucide-react";
+import type { FormEvent, ReactNode } from "react";
+import { createContext, useEffect, useState } from "react";
+import { Changes } from "./Changes.tsx";
+import { limits } from "./Configuration.tsx";
 import { Button } from "./kit/Button.tsx";
-import type { Connection, PortAddress, SystemState } from "./protocol/Ui.ts";
+import { Dialog } from "./kit/Dialog.tsx";
+import { linesOf } from "./lines.ts";
+import type { Connection, FileChange, Parameter, Port, PortAddress, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import type { View } from "./views.ts";
 
-/** Properties by which RT System Editor describes a connection, with their defaults. */
-const KNOWN: readonly (readonly [string, string, string])[] = [
-  ["dataflow", "dataport.dataflow_type", "push"],
-  ["subscription", "dataport.subscription_type", "flush"],
-  ["push policy", "dataport.publisher.push_policy", ""],
-  ["push rate", "dataport.push_rate", ""],
-  ["buffer of the InPort", "dataport.inport.buffer.length", "8"],
-  ["if it is full", "dataport.inport.buffer.write.full_policy", "overwrite"],
-];
+export type Subject = { kind: "wire"; name: string } | ({ kind: "port" } & PortAddress) | { kind: "node"; bus: string; id: number };
 
-export function Inspector({ system, connection, full, close, select }: { system: SystemState; connection: Connection; full: boolean; close: () => void; select: (instance: string) => void }) {
-  const { source, target, properties } = connection;
-  const portAt = ({ instance, port }: PortAddress) => system.components.find((each) => each.instance === instance)?.ports.find((each) => each.name === port);
-  const flow = store.page.flows.get(connection.name);
-  const [from, to] = [portAt(source), portAt(target)];
-  const isService = from?.kind === "PORT_SERVICE";
-  const given = new Map(properties.map((each) => [each.name, each.text]));
-  // The buffer of an end is that of all ends unless it has its own.
-  const textOf = (key: string) => given.get(key) ?? given.get(key.replace(".inport", ""));
-  const row = (name: string, text: string, more = "") =>
-    text && (
-      <tr key={name}>
-        <th scope="row">{name}</th>
-        <td className="text">
-          <bdi>{text}</bdi> <small>{more}</small>
-        </td>
-      </tr>
-    );
-  const end = (name: string, address: PortAddress, unit = "") => (
-    <tr>
-      <th scope="row">{name}</th>
-      <td className="text">
-        <button type="button" className="link plain" onClick={() => select(address.instance)}>
-          {address.instance}
-        </button>
-        .<bdi>{address.port}</bdi> <small>{unit && `[${unit}]`}</small>
-      </td>
-    </tr>
-  );
+/** Shows a subject; undefined: none. */
+export const Inspecting = createContext<(subject: Subject | undefined) => void>(() => undefined);
+
+/** Whether the system has a subject still. */
+export function exists(system: SystemState, subject: Subject): boolean {
+  if (subject.kind === "wire") return system.connections.some((each) => each.name === subject.name);
+  if (subject.kind === "port") return portAt(system, subject) !== undefined;
+  return linesOf(system.components, system.buses).some((line) => line.name === subject.bus && line.nodes.some((node) => node.id === subject.id));
+}
+
+/** A subject in words. */
+export function named(system: SystemState, subject: Subject): string {
+  if (subject.kind === "port") return `${subject.instance}.${subject.port}`;
+  if (subject.kind === "node") return `node ${subject.id} of ${subject.bus}`;
+  const found = system.connections.find((each) => each.name === subject.name);
+  return found ? `${found.source.instance}.${found.source.port} to ${found.target.instance}.${found.target.port}` : "";
+}
+
+const portAt = (system: SystemState, { instance, port }: PortAddress): Port | undefined => system.components.find((each) => each.instance === instance)?.ports.find((each) => each.name === port);
+
+/** The names of properties as RT System Editor has them. */
+const NAMES: Readonly<Record<string, string>> = {
+  "dataport.dataflow_type": "dataflow type",
+  "dataport.subscription_type": "subscription type",
+  "dataport.publisher.push_policy": "push policy",
+  "dataport.publisher.skip_count": "skip count",
+  "dataport.publisher.push_rate": "push rate",
+  "dataport.interface_type": "interface type",
+  "dataport.data_type": "data type",
+  length: "length",
+  "write.full_policy": "full policy",
+  "write.timeout": "write timeout",
+  "read.empty_policy": "empty policy",
+  "read.timeout": "read timeout",
+};
+const BUFFER = /^dataport\.(inport|outport)\.buffer\./;
+
+interface Common {
+  system: SystemState;
+  full: boolean;
+  select: (instance: string) => void;
+  inspect: (subject: Subject | undefined) => void;
+  open: (view: View) => void;
+  /** Chooses a port of the selected component. */
+  choosePort: (port: string) => void;
+}
+
+function Card({ title, close, children }: { title: string; close: () => void; children: ReactNode }) {
   return (
-    <section className="card inspector" aria-label="Connection">
+    <section className="card inspector" aria-label={title}>
       <div className="title">
-        <h2>Connection</h2>
-        <Button look="plain" className="icon" aria-label="Close the connection" onClick={close}>
+        <h2>{title}</h2>
+        <Button look="plain" className="icon" aria-label={`Close the ${title.toLowerCase()}`} onClick={close}>
           <X size={16} aria-hidden />
         </Button>
       </div>
+      {children}
+    </section>
+  );
+}
+
+function Row({ name, children }: { name: string; children: ReactNode }) {
+  return (
+    <tr>
+      <th scope="row">{name}</th>
+      <td className="text">{children}</td>
+    </tr>
+  );
+}
+
+function Instance({ instance, select }: { instance: string; select: (instance: string) => void }) {
+  return (
+    <button type="button" className="link plain" onClick={() => select(instance)}>
+      {instance}
+    </button>
+  );
+}
+
+function Rate({ connection }: { connection: Connection }) {
+  const flow = store.page.flows.get(connection.name);
+  if (!flow) return null;
+  return (
+    <>
+      {flow.rate >= 0 ? `${flow.rate.toFixed(1)} samples/s` : "not counted yet"}
+      {flow.lost > 0n && <span className="late">{`, ${flow.lost} lost`}</span>}
+    </>
+  );
+}
+
+/** A property of a connection, empty where the default applies. */
+function Property({ parameter, text, implied, full, set }: { parameter: Parameter; text: string; implied: string; full: boolean; set: (text: string) => void }) {
+  const name = NAMES[parameter.name.replace(BUFFER, "")] ?? parameter.name;
+  const label = parameter.name.replace(/^dataport\.(inport|outport)\.buffer.*/, "$1 ") === parameter.name ? name : `${BUFFER.exec(parameter.name)![1]} ${name}`;
+  const { choices, min } = limits(parameter.constraint);
+  return (
+    <Row name={name}>
+      {choices ? (
+        <select aria-label={label} value={text} disabled={!full} onChange={(e) => set(e.target.value)}>
+          <option value="">{`${implied} (default)`}</option>
+          {[...new Set([...choices, ...(text ? [text] : [])])].map((each) => (
+            <option key={each} value={each}>
+              {each}
+            </option>
+          ))}
+        </select>
+      ) : (
+        <input
+          aria-label={label}
+          value={text}
+          disabled={!full}
+          placeholder={implied && `${implied} (default)`}
+          {...(parameter.type === "double" && { inputMode: "decimal" as const, pattern: min === 0 || min === 1 ? "\\d*\\.?\\d+" : undefined })}
+          onChange={(e) => set(e.target.value)}
+        />
+      )}{" "}
+      <small>{parameter.unit}</small>
+    </Row>
+  );
+}
+
+function Wire({ system, connection, full, select, inspect }: Common & { connection: Connection }) {
+  const { name, source, target, properties } = connection;
+  const [draft, edit] = useState<ReadonlyMap<string, string>>(new Map());
+  const [refused, refuse] = useState("");
+  const [said, say] = useState("");
+  const [changes, show] = useState<readonly FileChange[]>();
+  const [from, to] = [portAt(system, source), portAt(system, target)];
+  const isService = from?.kind === "PORT_SERVICE";
+  const flow = store.page.flows.get(name);
+  const given = new Map(properties.map((each) => [each.name, each.text]));
+  const shape = properties.map((each) => `${each.name}=${each.text}`).join("\n");
+  // The buffer of an end is that of all ends unless it has its own.
+  const implied = ({ name, default_value }: Parameter) => given.get(name.replace(/\.(inport|outport)\./, ".")) ?? (name === "dataport.data_type" ? (from?.type ?? "") : default_value);
+  const isKnown = (key: string) => system.properties.some((each) => each.name === key);
+  const ask = async (carried_out: boolean, changed: ReadonlyMap<string, string>) =>
+    store.ask({ case: "adjusted", value: { connection: name, properties: [...changed].map(([name, text]) => ({ name, text: text.trim() })), carried_out } });
+  // What the judge says of the connection as it is.
+  useEffect(() => {
+    let current = true;
+    edit(new Map());
+    if (!isService) void ask(false, new Map()).then((result) => current && say(result.done ? result.text : ""));
+    return () => {
+      current = false;
+    };
+  }, [name, shape, isService]);
+  const submit = async (carried_out: boolean) => {
+    const result = await ask(carried_out, draft);
+    if (!result.done) {
+      show(undefined);
+      refuse([result.message, result.hint].filter(Boolean).join("\n"));
+      return;
+    }
+    refuse("");
+    say(result.text);
+    show(carried_out ? undefined : result.renamed);
+  };
+  const rows = (of: (name: string) => boolean) =>
+    system.properties
+      .filter((each) => of(each.name))
+      .map((each) => (
+        <Property
+          key={each.name}
+          parameter={each}
+          text={draft.get(each.name) ?? given.get(each.name) ?? ""}
+          implied={implied(each)}
+          full={full}
+          set={(text) => {
+            const next = new Map(draft);
+            if (text === (given.get(each.name) ?? "")) next.delete(each.name);
+            else next.set(each.name, text);
+            edit(next);
+            refuse("");
+          }}
+        />
+      ));
+  const end = (name: string, address: PortAddress, unit = "") => (
+    <Row name={name}>
+      <Instance instance={address.instance} select={select} />.
+      <button type="button" className="link plain" onClick={() => inspect({ kind: "port", ...address })}>
+        {address.port}
+      </button>{" "}
+      <small>{unit && `[${unit}]`}</small>
+    </Row>
+  );
+  return (
+    <Card title="Connection" close={() => inspect(undefined)}>
       {flow && flow.lost > 0n && (
         <p className="late">
           {String(flow.lost)} samples lost: {flow.details}
         </p>
       )}
+      {said && (
+        <p className="late judged" role="note">
+          {said}
+        </p>
+      )}
+      <form
+        onSubmit={(e: FormEvent) => {
+          e.preventDefault();
+          if (draft.size) void submit(false);
+        }}
+      >
+        <table>
+          <tbody>
+            {end("from", source, from?.unit)}
+            {end("to", target, to?.unit)}
+            {from?.type && <Row name="type">{from.type}</Row>}
+            {flow && (
+              <Row name="rate">
+                <Rate connection={connection} />
+              </Row>
+            )}
+            {!isService && rows((each) => !BUFFER.test(each))}
+          </tbody>
+        </table>
+        {!isService &&
+          (["outport", "inport"] as const).map((side) => (
+            <details key={side}>
+              <summary>{side === "inport" ? "Buffer of the InPort" : "Buffer of the OutPort"}</summary>
+              <table>
+                <tbody>{rows((each) => each.startsWith(`dataport.${side}.buffer.`))}</tbody>
+              </table>
+            </details>
+          ))}
+        {properties.some((each) => each.text && !isKnown(each.name)) && (
+          <details>
+            <summary>Other properties</summary>
+            <table>
+              <tbody>
+                {properties
+                  .filter((each) => each.text && !isKnown(each.name))
+                  .map((each) => (
+                    <Row key={each.name} name={each.name}>
+                      <bdi>{each.text}</bdi>
+                    </Row>
+                  ))}
+              </tbody>
+            </table>
+          </details>
+        )}
+        {refused && (
+          <p className="reason" role="alert">
+            {refused}
+          </p>
+        )}
+        <div className="buttons">
+          {!isService && (
+            <Button type="submit" look="primary" disabled={!full || !draft.size}>
+              Show what changes
+            </Button>
+          )}
+          {draft.size > 0 && <Button onClick={() => edit(new Map())}>Discard</Button>}
+          <Button
+            icon={Scissors}
+            look="danger"
+            disabled={!full}
+            onClick={() => {
+              inspect(undefined);
+              void store.order({ case: "connection", value: name });
+            }}
+          >
+            Cut
+          </Button>
+        </div>
+      </form>
+      {changes && (
+        <Dialog title="Properties of the connection" close={() => show(undefined)} className="rename">
+          {said && <p className="late judged">{said}</p>}
+          <section aria-label="What changes" className="changes" tabIndex={0}>
+            <p>{changes.length ? "The connection is made again with them at once; samples that wait in it are lost. Save writes the file, Undo takes it back." : "The file does not have this connection: only the run changes."}</p>
+            <Changes changes={changes} />
+          </section>
+          <div className="answers">
+            <Button onClick={() => show(undefined)}>Cancel</Button>
+            <Button look="primary" onClick={() => void submit(true)}>
+              Apply
+            </Button>
+          </div>
+        </Dialog>
+      )}
+    </Card>
+  );
+}
+
+function PortCard({ system, address, full, select, inspect, open, choosePort }: Common & { address: PortAddress }) {
+  const port = portAt(system, address)!;
+  const isHere = ({ instance, port: name }: PortAddress) => instance === address.instance && name === address.port;
+  const own = system.connections.filter(({ source, target }) => isHere(source) || isHere(target));
+  return (
+    <Card title="Port" close={() => inspect(undefined)}>
       <table>
         <tbody>
-          {end("from", source, from?.unit)}
-          {end("to", target, to?.unit)}
-          {row("type", from?.type ?? "")}
-          {flow && row("rate", flow.rate >= 0 ? `${flow.rate.toFixed(1)} samples/s` : "not counted yet")}
-          {!isService && KNOWN.map(([name, key, otherwise]) => row(name, textOf(key) ?? otherwise, textOf(key) === undefined ? "default" : ""))}
-          {properties.filter(({ name, text }) => text && !KNOWN.some(([, key]) => key === name || key.replace(".inport", "") === name)).map(({ name, text }) => row(name, text))}
+          <Row name="port">
+            <Instance instance={address.instance} select={select} />.<bdi>{address.port}</bdi>
+          </Row>
+          <Row name="kind">{{ PORT_IN: "InPort", PORT_OUT: "OutPort", PORT_SERVICE: "service port" }[port.kind]}</Row>
+          {port.type && <Row name="type">{port.type}</Row>}
+          {port.interfaces.map((each) => (
+            <Row key={`${each.provided} ${each.name}`} name={each.provided ? "provides" : "uses"}>
+              <bdi>{each.name}</bdi>: {each.type}
+            </Row>
+          ))}
+          {port.unit && <Row name="unit">{port.unit}</Row>}
+          {port.units.length > 1 && port.units.map((each) => <Row key={each.name} name={each.name}>{each.text}</Row>)}
+        </tbody>
+      </table>
+      {port.doc && <p>{port.doc}</p>}
+      <h3>{own.length ? "Connections" : "Not connected"}</h3>
+      <ul className="plainlist">
+        {own.map((each) => {
+          const there = isHere(each.source) ? each.target : each.source;
+          return (
+            <li key={each.name}>
+              <button type="button" className="link plain" onClick={() => inspect({ kind: "wire", name: each.name })}>
+                <bdi>{`${there.instance}.${there.port}`}</bdi>
+              </button>
+              <small>
+                <Rate connection={each} />
+              </small>
+            </li>
+          );
+        })}
+      </ul>
+      <div className="buttons">
+        <Button
+          disabled={!full}
+          onClick={() => {
+            select(address.instance);
+            inspect(undefined);
+            choosePort(address.port);
+            open("Connections");
+          }}
+        >
+          Which ports fit
+        </Button>
+      </div>
+    </Card>
+  );
+}
+
+function NodeCard({ system, bus, id, select, inspect, open }: Common & { bus: string; id: number }) {
+  const line = linesOf(system.components, system.buses).find((each) => each.name === bus)!;
+  const node = line.nodes.find((each) => each.id === id)!;
+  const device = system.buses.find((each) => each.name === bus)?.nodes.find((each) => each.node_id === id)?.device;
+  const frames = store.traffic.frames.filter((each) => each.bus === bus && each.node_id === id);
+  const last = frames.at(-1);
+  const list = (name: string, instances: readonly string[]) =>
+    instances.length > 0 && (
+      <Row name={name}>
+        {instances.map((each) => (
+          <Instance key={each} instance={each} select={select} />
+        ))}
+      </Row>
+    );
+  return (
+    <Card title="Node" close={() => inspect(undefined)}>
+      <table>
+        <tbody>
+          <Row name="node">
+            {id} <bdi>{node.name}</bdi>
+          </Row>
+          <Row name="bus">
+            <bdi>{bus}</bdi>
+            {line.bitRate > 0 && ` ${line.bitRate / 1000} kbit/s`}
+          </Row>
+          <Row name="NMT state">{node.nmtState || "unknown"}</Row>
+          {device && <Row name="device">{device}</Row>}
+          {list("proxies", node.proxies)}
+          {list("devices", node.devices)}
+          {last && (
+            <Row name="last frame">
+              {last.time.toFixed(3)} s {last.kind} {last.text}
+            </Row>
+          )}
         </tbody>
       </table>
       <div className="buttons">
-        <Button
-          icon={Scissors}
-          look="danger"
-          disabled={!full}
-          onClick={() => {
-            close();
-            void store.order({ case: "connection", value: connection.name });
-          }}
-        >
-          Cut
-        </Button>
+        <Button onClick={() => open("Buses")}>Frames and objects</Button>
       </div>
-    </section>
+    </Card>
   );
+}
+
+export function Inspector({ subject, ...rest }: Common & { subject: Subject }) {
+  if (subject.kind === "port") return <PortCard address={{ instance: subject.instance, port: subject.port }} {...rest} />;
+  if (subject.kind === "node") return <NodeCard bus={subject.bus} id={subject.id} {...rest} />;
+  const connection = rest.system.connections.find((each) => each.name === subject.name);
+  return connection ? <Wire key={subject.name} connection={connection} {...rest} /> : null;
 }

@@ -1,13 +1,14 @@
 /** What is seen when nothing is selected: how the system does, and what can be done. */
 
 import { Activity, CircleAlert, MousePointerClick, Plus, Spline } from "lucide-react";
+import type { Subject } from "./Inspector.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
 import { stateClass, stateOf, store } from "./store.ts";
 
 /** Wires that lose samples are listed up to this number. */
 const MOST = 12;
 
-export function Overview({ system, select, inspect }: { system: SystemState; select: (instance: string) => void; inspect: (connection: string) => void }) {
+export function Overview({ system, select, inspect }: { system: SystemState; select: (instance: string) => void; inspect: (subject: Subject) => void }) {
   const { components, connections, time, plan } = system;
   const { flows, statistics, traffic } = { ...store.page, traffic: store.traffic };
   const states = new Map<string, { of: string; instances: string[] }>();
@@ -60,7 +61,7 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
         <ul className="plainlist">
           {losing.slice(0, MOST).map((each) => (
             <li key={each.name}>
-              <button type="button" className="link plain" onClick={() => inspect(each.name)}>
+              <button type="button" className="link plain" onClick={() => inspect({ kind: "wire", name: each.name })}>
                 <bdi>{`${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`}</bdi>
               </button>
               <small className="late">{flows.get(each.name)!.details}</small>

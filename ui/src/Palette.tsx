@@ -26,14 +26,14 @@ function isFound(entry: PaletteEntry, filter: string): boolean {
     .every((word) => text.includes(word));
 }
 
-export function Palette(props: { system: SystemState; full: boolean; selected: string; select: (instance: string) => void; adding: boolean; close: () => void }) {
-  const { system, full, selected, select, adding, close } = props;
+export function Palette(props: { system: SystemState; full: boolean; selected: string; select: (instance: string) => void; close: () => void }) {
+  const { system, full, selected, select, close } = props;
   const [filter, setFilter] = useState("");
   const found = system.palette.filter((each) => isFound(each, filter));
   return (
-    <nav className="palette" aria-label="Palette">
+    <nav className="palette" aria-label="Palette" data-view="Palette" tabIndex={-1}>
       <Naming system={system} full={full} selected={selected} select={select} />
-      {adding && (
+      {system.palette.length > 0 && (
         <section aria-label="Components to add">
           <div className="title">
             <h2>Components</h2>

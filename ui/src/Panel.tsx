@@ -1,32 +1,21 @@
-/** The selected component: its values, configuration and history. */
+/** The views of the selected component, below what it is and how it does; and the timeline. */
 
 import { Fragment } from "react";
-import { Board } from "./Board.tsx";
-import { BusView } from "./Bus.tsx";
 import { Configuration } from "./Configuration.tsx";
 import { Connections } from "./Connections.tsx";
-import { Drive } from "./Drive.tsx";
-import { MapView } from "./MapView.tsx";
-import { Plots } from "./Plots.tsx";
-import type { Component, Connection, SystemState } from "./protocol/Ui.ts";
+import type { Component, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
 import { Pencil } from "lucide-react";
 import { IconButton } from "./kit/Button.tsx";
-import { Tabs } from "./kit/Tabs.tsx";
 import { Inspector } from "./Inspector.tsx";
+import type { Subject } from "./Inspector.tsx";
 import { Overview } from "./Overview.tsx";
 import type { Line, Statistics } from "./store.ts";
 import { Values } from "./Values.tsx";
 import { stateClass, stateOf, store } from "./store.ts";
+import type { View } from "./views.ts";
 
-export const TABS = ["Values", "Connections", "Plots", "Map", "Drive", "Configuration", "Services", "Buses", "Boards", "Timeline"] as const;
-
-/** Moves the focus to the open view. */
-export const focusView = (): void => document.querySelector<HTMLElement>(".panel [role=tabpanel]")?.focus();
-
-export type Tab = (typeof TABS)[number];
-
-function Timeline({ lines }: { lines: readonly Line[] }) {
+export function Timeline({ lines }: { lines: readonly Line[] }) {
   // Changes of the compared run arrive slightly later than they happened.
   const sorted = [...lines].sort((a, b) => a.time - b.time).reverse();
   return (
@@ -40,23 +29,52 @@ function Timeline({ lines }: { lines: readonly Line[] }) {
   );
 }
 
+/** What is known of the board that a component calls. */
+function BoardOf({ instance, open }: { instance: string; open: (view: View) => void }) {
+  const calls = store.traffic.calls.filter((each) => each.instance === instance);
+  const last = calls.at(-1);
+  if (!last) return null;
+  const trips = calls.map((each) => each.round_trip).filter((each) => each >= 0);
+  const failed = calls.filter((each) => each.error);
+  return (
+    <section className="card" aria-label="Board">
+      <h2>Board</h2>
+      <p>
+        {calls.length} calls{trips.length > 0 && `, ${((1e6 * trips.reduce((sum, each) => sum + each, 0)) / trips.length).toPrecision(3)} µs each`}, the last {last.function || "of unknown function"} at {last.time.toFixed(3)} s
+      </p>
+      {failed.length > 0 && (
+        <p className="reason">
+          {failed.length} failed: {failed.at(-1)!.error}
+        </p>
+      )}
+      <div className="buttons">
+        <button type="button" onClick={() => open("Boards")}>
+          Octets and round trips
+        </button>
+      </div>
+    </section>
+  );
+}
+
 export function Panel(props: {
+  view: View;
   system: SystemState;
   component: Component | undefined;
   statistics: Statistics | undefined;
-  lines: readonly Line[];
   full: boolean;
   select: (instance: string) => void;
-  tab: Tab;
-  open: (tab: Tab) => void;
   rename: (instance: string) => void;
-  connection: Connection | undefined;
-  inspect: (connection: string) => void;
+  subject: Subject | undefined;
+  inspect: (subject: Subject | undefined) => void;
+  open: (view: View) => void;
+  /** The port of which the connections are shown. */
+  port: string;
+  choosePort: (port: string) => void;
 }) {
-  const { system, component, statistics, lines, full, select, tab, open, rename, connection, inspect } = props;
+  const { view, system, component, statistics, full, select, rename, subject, inspect, open, port, choosePort } = props;
   return (
-    <aside className="panel" aria-label="Component">
-      {connection && <Inspector system={system} connection={connection} full={full} close={() => inspect("")} select={select} />}
+    <aside className="panel" aria-label={`Component: ${view}`} data-view={view} tabIndex={-1}>
+      {subject && <Inspector subject={subject} {...{ system, full, select, inspect, open, choosePort }} />}
       <label>
         Component
         <select value={component?.instance ?? ""} onChange={(e) => select(e.target.value)}>
@@ -99,31 +117,18 @@ export function Panel(props: {
           </div>
         </>
       )}
-      <Tabs label="Views" names={TABS} shown={tab} show={open}>
-        {tab === "Timeline" ? (
-          <Timeline lines={lines} />
-        ) : tab === "Plots" ? (
-          <Plots system={system} />
-        ) : tab === "Map" ? (
-          <MapView system={system} />
-        ) : tab === "Drive" ? (
-          <Drive system={system} full={full} />
-        ) : tab === "Buses" ? (
-          <BusView system={system} full={full} />
-        ) : tab === "Boards" ? (
-          <Board />
-        ) : !component ? (
-          <Overview system={system} select={select} inspect={inspect} />
-        ) : tab === "Values" ? (
-          <Values key={component.instance} system={system} component={component} />
-        ) : tab === "Connections" ? (
-          <Connections key={component.instance} system={system} component={component} full={full} />
-        ) : tab === "Services" ? (
-          <Services key={component.instance} component={component} full={full} />
-        ) : (
-          <Configuration key={component.instance} component={component} full={full} />
-        )}
-      </Tabs>
+      {component && <BoardOf instance={component.instance} open={open} />}
+      {!component ? (
+        <Overview system={system} select={select} inspect={inspect} />
+      ) : view === "Values" ? (
+        <Values key={component.instance} system={system} component={component} />
+      ) : view === "Connections" ? (
+        <Connections key={component.instance} system={system} component={component} full={full} chosen={port} choose={choosePort} />
+      ) : view === "Services" ? (
+        <Services key={component.instance} component={component} full={full} />
+      ) : (
+        <Configuration key={component.instance} component={component} full={full} />
+      )}
     </aside>
   );
 }

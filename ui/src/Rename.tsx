@@ -1,13 +1,11 @@
 /** Renames an instance, or what a definition names; shows what changes before it does. */
 
 import { useEffect, useState } from "react";
+import { Changes } from "./Changes.tsx";
 import { Button } from "./kit/Button.tsx";
 import { Dialog } from "./kit/Dialog.tsx";
 import type { FileChange, Rename as Asked, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
-
-/** Changes of more files are folded. */
-const MOST_OPEN = 20;
 
 type Subject = Pick<Asked, "kind" | "part"> & { name: string; label: string };
 
@@ -86,21 +84,7 @@ export function Rename({ system, instance, close, select }: { system: SystemStat
             <p>
               {changes.length === 1 ? "One file changes" : `${changes.length} files change`}, what is generated from them follows, and the run begins again. Undo takes it back.
             </p>
-            {changes.map((each) => (
-              <details key={each.file} open={changes.length <= MOST_OPEN}>
-                <summary>
-                  {each.file}
-                  {each.moved_to && ` becomes ${each.moved_to}`}
-                </summary>
-                <pre>
-                  {each.lines.split("\n").map((line, i) => (
-                    <span key={i} className={line.startsWith("+") ? "added" : line.startsWith("-") ? "gone" : "near"}>
-                      {`${line}\n`}
-                    </span>
-                  ))}
-                </pre>
-              </details>
-            ))}
+            <Changes changes={changes} />
           </section>
         )}
         <div className="answers">

@@ -97,7 +97,8 @@ function marksOf(lines: readonly Line[], plan: readonly PlannedEvent[], now: num
   ];
 }
 
-export function TimeBar({ system, full, lines, live }: { system: SystemState; full: boolean; lines: readonly Line[]; live: boolean }) {
+/** `brief`: what a phone has room for below another view. */
+export function TimeBar({ system, full, lines, live, brief }: { system: SystemState; full: boolean; lines: readonly Line[]; live: boolean; brief: boolean }) {
   const { time, plan } = system;
   const [goal, setGoal] = useState("");
   const simulated = time.kind === "CLOCK_SIMULATED";
@@ -112,7 +113,7 @@ export function TimeBar({ system, full, lines, live }: { system: SystemState; fu
       <div className="toolbar">
         {simulated && (
           <>
-            <IconButton icon={Rewind} look="plain" label={`Look back by ${BACK} s`} disabled={time.now <= time.first} onClick={() => void store.look(Math.max(time.first, time.now - BACK))} />
+            {!brief && <IconButton icon={Rewind} look="plain" label={`Look back by ${BACK} s`} disabled={time.now <= time.first} onClick={() => void store.look(Math.max(time.first, time.now - BACK))} />}
             <IconButton
               icon={time.playing ? Pause : Play}
               look="primary"
@@ -126,7 +127,7 @@ export function TimeBar({ system, full, lines, live }: { system: SystemState; fu
         )}
         {recording && <Player now={time.now} first={time.first} last={time.last} />}
         <output aria-label="Time of the run">{time.now.toFixed(3)} s</output>
-        {simulated && (
+        {simulated && !brief && (
           <label>
             <span className="announced">Speed</span>
             <select aria-label="Speed" title="Speed" disabled={!full} value={time.speed} onChange={(e) => store.order({ case: "speed", value: Number(e.target.value) })}>
@@ -160,7 +161,7 @@ export function TimeBar({ system, full, lines, live }: { system: SystemState; fu
         </small>
       </div>
       <div className="toolbar">
-        {simulated && (
+        {simulated && !brief && (
           <>
             <form
               className="group"

@@ -1,20 +1,20 @@
 /** The graph of components and connections, changed by mouse and by keyboard. */
 
-import { Background, BaseEdge, ControlButton, Controls, EdgeLabelRenderer, Handle, MiniMap, Position, ReactFlow, getSmoothStepPath, useNodesState } from "@xyflow/react";
+import { Background, BaseEdge, ControlButton, Controls, EdgeLabelRenderer, Handle, MiniMap, Position, ReactFlow, getSmoothStepPath, useNodesState, useStore } from "@xyflow/react";
 import { LayoutGrid, Map as MapIcon, Plus } from "lucide-react";
 import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowInstance } from "@xyflow/react";
-import type { CSSProperties } from "react";
-import { memo, useCallback, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
-import { BusLine, OpenBuses } from "./BusLine.tsx";
+import type { CSSProperties, RefObject } from "react";
+import { memo, useCallback, useContext, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
+import { BusLine } from "./BusLine.tsx";
 import type { BusNode, Drop } from "./BusLine.tsx";
 import { Button } from "./kit/Button.tsx";
-import { useRoom } from "./kit/Split.tsx";
 import { WIDEST, around, arrange, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, width } from "./layout.ts";
 import type { Arrangement, Point } from "./layout.ts";
 import { linesOf } from "./lines.ts";
+import { Inspecting } from "./Inspector.tsx";
+import type { Subject } from "./Inspector.tsx";
 import { Menu } from "./Menu.tsx";
 import type { Item, Place } from "./Menu.tsx";
-import type { Tab } from "./Panel.tsx";
 import { DRAGGED } from "./Palette.tsx";
 import { Taken, isClear, route } from "./routes.ts";
 import type { Bus, Component, Connection, Fit, Flow, PlannedEvent, Port, PortAddress } from "./protocol/Ui.ts";
@@ -22,6 +22,8 @@ import type { Misfit } from "./Purpose.tsx";
 import { Purpose } from "./Purpose.tsx";
 import type { Statistics } from "./store.ts";
 import { stateClass, stateOf, store } from "./store.ts";
+import type { View } from "./views.ts";
+import { ROOM, useWidth } from "./width.ts";
 
 interface BoxData extends Record<string, unknown> {
   component: Component;
@@ -52,6 +54,7 @@ export function hue(type: string): number {
 const ink = (type: string): string => `oklch(58% 0.15 ${hue(type)})`;
 
 function PortRow({ component, port, fits, isOpen }: { component: Component; port: Port; fits: BoxData["fits"]; isOpen: boolean }) {
+  const inspect = useContext(Inspecting);
   const service = port.kind === "PORT_SERVICE";
   const kind = service ? "service" : port.kind === "PORT_IN" ? "in" : "out";
   const refused = fits?.get(address({ instance: component.instance, port: port.name }))?.refused;
@@ -64,7 +67,7 @@ function PortRow({ component, port, fits, isOpen }: { component: Component; port
   return (
     <div className={`port ${kind} ${mark} ${isOpen ? "open" : ""} ${service && !provided ? "socket" : ""}`} title={title}>
       {kind !== "out" && <Handle type="target" position={Position.Left} {...names} />}
-      <span>{port.name}</span>
+      <span onClick={() => inspect({ kind: "port", instance: component.instance, port: port.name })}>{port.name}</span>
       <small title={[typeOf(port), title].join("\n")}>{typeOf(port)}</small>
       {kind === "out" && <Handle type="source" position={Position.Right} {...names} />}
       {service && <Handle type="source" position={Position.Right} {...names} />}
@@ -150,6 +153,19 @@ function WireLine({ id, data, selected, interactionWidth, ...ends }: EdgeProps<W
   );
 }
 
+/** Below this zoom, boxes show their names alone, in letters that stay legible. */
+const FAR = 0.55;
+
+/** Tells the wiring's style how far away it is seen. */
+function Distance({ of }: { of: RefObject<HTMLElement | null> }) {
+  const zoom = useStore(({ transform }) => transform[2]);
+  useLayoutEffect(() => {
+    of.current!.style.setProperty("--zoom", String(zoom));
+    of.current!.classList.toggle("far", zoom < FAR);
+  }, [of, zoom]);
+  return null;
+}
+
 const MAP = { width: 160, height: 110 };
 
 const edgeTypes = { wire: WireLine };
@@ -176,9 +192,9 @@ export const Wiring = memo(function Wiring(props: {
   statistics: ReadonlyMap<string, Statistics>;
   selected: string;
   select: (instance: string) => void;
-  open: (tab: Tab) => void;
+  open: (view: View) => void;
   rename: (instance: string) => void;
-  inspect: (connection: string) => void;
+  inspect: (subject: Subject | undefined) => void;
   add: () => void;
 }) {
   const { file, components, connections, buses, planned, flows, full, statistics, selected, select, open, rename, inspect, add } = props;
@@ -194,9 +210,11 @@ export const Wiring = memo(function Wiring(props: {
   const [fits, setFits] = useState<ReadonlyMap<string, Fit>>();
   const [misfit, ask] = useState<Misfit>();
   const [menu, setMenu] = useState<Place & { edge: boolean }>();
-  const [mapped, showMap] = useState(false);
-  /** Parts below each other scroll, also during a drag; React Flow would pan by where the wiring was at its start. */
-  const pans = useRoom();
+  /** Whether there are boxes outside of the view that fits best, and whether the small map is shown: undefined: if so. */
+  const [cropped, crop] = useState(false);
+  const [wanted, showMap] = useState<boolean>();
+  const mapped = wanted ?? cropped;
+  const isWide = useWidth(ROOM);
   const drags = useRef(0);
   /** Places of boxes moved by arrow keys, until they are stored. */
   const steered = useRef(new Map<string, Point>());
@@ -310,8 +328,10 @@ export const Wiring = memo(function Wiring(props: {
   }, []);
 
   const fit = () => {
-    if (!flow || !places || !components.length) return;
-    void flow.setViewport(view(places.corners, section.current!.clientWidth, section.current!.clientHeight));
+    if (!flow || !places || !components.length || !section.current!.clientWidth) return;
+    const { isWhole, ...shown } = view(places.corners, section.current!.clientWidth, section.current!.clientHeight, !isWide);
+    void flow.setViewport(shown);
+    crop(!isWhole);
     moved.current = false;
   };
   // Moving boxes does not move the view.
@@ -424,7 +444,6 @@ export const Wiring = memo(function Wiring(props: {
     });
   const place = (id: string, position: Point) =>
     store.order({ case: "place", value: { instance: nameOf(id), where: stored(position) } }).then(() => steered.current.delete(id));
-  const openBuses = useCallback(() => open("Buses"), [open]);
   const items = ({ label, edge }: Place & { edge: boolean }): Item[] => {
     const order = (name: string, kind: "activated" | "deactivated" | "restored") => ({ name, act: () => void store.order({ case: kind, value: [label] }) });
     if (edge) return [{ name: "Cut", act: () => void store.order({ case: "connection", value: label }) }];
@@ -474,7 +493,7 @@ export const Wiring = memo(function Wiring(props: {
       }}
     >
       {arrangement && (
-        <OpenBuses.Provider value={openBuses}>
+        <Inspecting.Provider value={inspect}>
         <ReactFlow
           nodes={nodes}
           edges={edges}
@@ -487,9 +506,7 @@ export const Wiring = memo(function Wiring(props: {
           colorMode="system"
           defaultEdgeOptions={{ interactionWidth: 16 }}
           fitViewOptions={{ padding: 0.06 }}
-          minZoom={0.1}
-          autoPanOnConnect={pans}
-          autoPanOnNodeDrag={pans}
+          minZoom={0.05}
           nodesConnectable={full}
           nodesDraggable={full && !arranged}
           deleteKeyCode={full ? ["Delete", "Backspace"] : null}
@@ -498,7 +515,7 @@ export const Wiring = memo(function Wiring(props: {
             onNodesChange(changes);
           }}
           onEdgesChange={(changes) => {
-            for (const each of changes) if (each.type === "select" && each.selected) inspect(nameOf(each.id));
+            for (const each of changes) if (each.type === "select" && each.selected) inspect({ kind: "wire", name: nameOf(each.id) });
             pick((before) => {
               const after = new Set(before);
               for (const each of changes)
@@ -527,6 +544,7 @@ export const Wiring = memo(function Wiring(props: {
             return !(refused(drawn.target, drawn.targetHandle) || refused(drawn.source, drawn.sourceHandle));
           }}
           onConnect={(drawn) => void connect(drawn)}
+          onNodeClick={(e) => (e.target as HTMLElement).closest(".port span, .bus-node") || inspect(undefined)}
           onNodeDragStop={(_, node) => void place(node.id, node.position)}
           onSelectionChange={onSelectionChange}
           onNodeContextMenu={(e, node) => {
@@ -539,7 +557,8 @@ export const Wiring = memo(function Wiring(props: {
           }}
         >
           <Background />
-          <Controls showInteractive={false}>
+          <Distance of={section} />
+          <Controls showInteractive={false} orientation={isWide ? "vertical" : "horizontal"}>
             <ControlButton
               aria-pressed={arranged}
               aria-label="Arranged"
@@ -559,7 +578,7 @@ export const Wiring = memo(function Wiring(props: {
             <MiniMap<Shown> position="top-right" style={MAP} pannable zoomable ariaLabel="Map of the wiring" nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />
           )}
         </ReactFlow>
-        </OpenBuses.Provider>
+        </Inspecting.Provider>
       )}
       {!components.length && (
         <div className="empty over">

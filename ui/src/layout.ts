@@ -173,8 +173,9 @@ function ends(component: Component): ElkPort[] {
   ];
 }
 
-/** The zoom at which boxes fit a view. */
-const zoom = (across: number, down: number, wide: number, high: number): number => Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down);
+/** The zoom at which boxes fit a view whose buttons are at its left, or in a narrow one at its bottom. */
+const zoom = (across: number, down: number, wide: number, high: number, narrow = false): number =>
+  narrow ? Math.min((wide - MARGIN) / across, (high - LEFT - MARGIN) / down) : Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down);
 
 /** The layout with the largest zoom in a view, above the space for buses. */
 export async function arrange(components: readonly Component[], connections: readonly Connection[], wide: number, high: number, buses: number): Promise<Arrangement> {
@@ -235,13 +236,15 @@ export function around(boxes: readonly (Point & { component: Component })[]): [P
   ];
 }
 
-/** A view of everything within two corners if the text remains legible, else of the upper left part. */
-export function view([start, end]: [Point, Point], wide: number, high: number): Point & { zoom: number } {
+/** A view of everything within two corners; of a wide one the upper left part, if the text would not remain legible. */
+export function view([start, end]: [Point, Point], wide: number, high: number, narrow: boolean): Point & { zoom: number; isWhole: boolean } {
   const [across, down] = [end.x - start.x, end.y - start.y];
-  const scale = Math.min(1, Math.max(SMALLEST, zoom(across, down, wide, high)));
+  const fitting = zoom(across, down, wide, high, narrow);
+  const scale = Math.min(1, Math.max(narrow ? 0 : SMALLEST, fitting));
   return {
-    x: Math.max(LEFT, (wide - across * scale) / 2) - start.x * scale,
-    y: Math.max(MARGIN, (high - down * scale) / 2) - start.y * scale,
+    isWhole: scale <= fitting,
+    x: Math.max(narrow ? MARGIN / 2 : LEFT, (wide - across * scale) / 2) - start.x * scale,
+    y: Math.max(narrow ? MARGIN / 2 : MARGIN, (high - down * scale - (narrow ? LEFT : 0)) / 2) - start.y * scale,
     zoom: scale,
   };
 }

@@ -15,6 +15,15 @@ export interface Line {
   kind: "state" | "error" | "event" | "beside";
 }
 
+/** A line of the console. */
+export interface Said {
+  number: number;
+  /** Time of the day. */
+  when: string;
+  kind: string;
+  text: string;
+}
+
 export interface Statistics {
   ticks: bigint;
   overruns: bigint;
@@ -44,6 +53,7 @@ export interface Page {
   system: SystemState | undefined;
   statistics: ReadonlyMap<string, Statistics>;
   lines: readonly Line[];
+  said: readonly Said[];
   /** States in the compared run, by instance. */
   beside: ReadonlyMap<string, string>;
   /** The counts of samples, by connection. */
@@ -68,7 +78,7 @@ function token(): string {
   } catch {
     return given ?? ""; // without storage, the token stays in the address
   }
-  history.replaceState(null, "", location.pathname);
+  history.replaceState(null, "", location.pathname + location.hash);
   return given;
 }
 
@@ -83,6 +93,7 @@ const unavailable: Page = {
   system: undefined,
   statistics: new Map(),
   lines: [],
+  said: [],
   beside: new Map(),
   flows: new Map(),
   notice: "",
@@ -121,6 +132,7 @@ export class Store {
   snapshot = (): Page => this.page;
 
   private change(part: Partial<Page>): void {
+    if (part.notice && part.notice !== this.page.notice) this.say("notice", part.notice);
     this.page = { ...this.page, ...part };
     for (const listener of this.listeners) listener();
   }
@@ -149,6 +161,13 @@ export class Store {
     this.socket = socket;
   }
 
+  private said = 0;
+
+  private say(kind: string, text: string): void {
+    const line = { number: this.said++, when: new Date().toLocaleTimeString(), kind, text };
+    this.page = { ...this.page, said: [...this.page.said, line].slice(-MAX_LINES) };
+  }
+
   /** Sends a command; events describe its effects, the result its success. */
   ask(asked: Command): Promise<Result> {
     const request = ++this.request;
@@ -164,6 +183,7 @@ export class Store {
 
   /** Sends a command and shows the reason if it is refused. */
   async order(asked: Command): Promise<Result> {
+    if (asked.case !== "looked" && asked.case !== "injected") this.say("asked", `${asked.case} ${words(asked.value)}`);
     const result = await this.ask(asked);
     this.change({ notice: result.done ? "" : [result.message, result.hint].filter(Boolean).join(": ") });
     return result;
@@ -256,7 +276,7 @@ export class Store {
         // A server with another version has another page.
         if (event.value.version !== VERSION && this.server) location.reload();
         this.server = event.value.server;
-        this.page = { ...unavailable, link: "live", full: event.value.full, span: this.page.span, zoom: this.page.zoom };
+        this.page = { ...unavailable, link: "live", full: event.value.full, span: this.page.span, zoom: this.page.zoom, said: this.page.said };
         break;
       case "whole":
         this.types.add(0, event.value.types);
@@ -354,6 +374,7 @@ export class Store {
         this.system(() => ({ edits: event.value }));
         break;
       case "reported":
+        this.say(event.value.kind, [event.value.instance, event.value.text].filter(Boolean).join(": "));
         this.line(event.value.time, event.value.instance, `${event.value.kind}: ${event.value.text}`, FAILURES.includes(event.value.kind) ? "error" : "event");
         break;
       case "less":
@@ -422,6 +443,17 @@ export class Store {
     for (const [name, row] of track.numbers) row.push(found.get(name) ?? NaN);
   }
 }
+
+/** A value of a command in words. */
+const words = (value: unknown): string =>
+  value && typeof value === "object" && !ArrayBuffer.isView(value)
+    ? Object.values(value)
+        .map(words)
+        .filter(Boolean)
+        .join(" ")
+    : typeof value === "boolean"
+      ? ""
+      : String(value);
 
 function replaced<T>(list: readonly T[], item: T, key: (item: T) => unknown): T[] {
   const at = list.findIndex((each) => key(each) === key(item));

@@ -178,6 +178,16 @@ class Changes:
         )
         return lambda file: file.connect(connection)
 
+    def adjust(
+        self, name: str, ends: Sequence[End], properties: Mapping[str, str]
+    ) -> Change | None:
+        """Return the effect of other properties of the connection of two ports."""
+        connection = self.connection(name, ends)
+        if connection is None:
+            return None
+        connection_name = connection.name
+        return lambda file: file.adjust(connection_name, properties)
+
     def cut(self, name: str, ends: Sequence[End]) -> Change | None:
         """Return the effect of cutting the connection of two ports."""
         connection = self.connection(name, ends)

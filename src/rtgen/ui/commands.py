@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Iterable, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from pathlib import Path
 from typing import Any, Final
@@ -26,6 +26,7 @@ from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 from rtgen.runtime.system.joining import instances_of
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.ui import calls, renames, saving
+from rtgen.ui.adjusting import adjust
 from rtgen.ui.changes import ends_of, new_component, unwritten
 from rtgen.ui.description import properties_of
 from rtgen.ui.documents.document import DocumentError
@@ -84,6 +85,9 @@ class Commands:
         self._handlers: dict[CommandKind, Callable[[Any], str | None]] = {
             kinds.COMMAND_CONNECT: self._connect,
             kinds.COMMAND_CUT: self._cut,
+            kinds.COMMAND_ADJUST: lambda command: (
+                adjust(session, command, self._adjusted)[0]
+            ),
             kinds.COMMAND_ACTIVATE: partial(self._request, "activate"),
             kinds.COMMAND_DEACTIVATE: partial(self._request, "deactivate"),
             kinds.COMMAND_RESET: partial(self._request, "reset"),
@@ -188,6 +192,8 @@ class Commands:
             result.renamed = renames.rename(self._session, value)
         elif kind is CommandKind.COMMAND_OBJECTS:
             result.objects = self._session.buses.objects(value)
+        elif kind is CommandKind.COMMAND_ADJUST and not value.carried_out:
+            result.text, result.renamed = adjust(self._session, value, self._adjusted)
         elif kind in self._handlers:
             before = self._session.edit_state()
             try:
@@ -231,6 +237,32 @@ class Commands:
             lambda: session.system.disconnect(name),
             again,
             session.changes.cut(name, ends),
+        )
+
+    def _adjusted(
+        self,
+        name: str,
+        after: Mapping[str, str],
+        before: Mapping[str, str],
+        change: Change | None,
+    ) -> None:
+        """Make a connection again with other properties; samples that wait in it are lost."""
+        session = self._session
+
+        def put(properties: Mapping[str, str], former: Mapping[str, str]) -> None:
+            ends = ends_of(session.system.connector(name))
+            session.system.disconnect(name)
+            try:
+                session.system.connect(*ends, properties, name)
+            except RtcError:
+                session.system.connect(*ends, former, name)
+                raise
+
+        self._edit(
+            f"properties of {name}"[:200],
+            lambda: put(after, before),
+            lambda: put(before, after),
+            change,
         )
 
     def _reconnect_action(self, name: str) -> Callable[[], object]:

@@ -70,6 +70,10 @@ class Edits:
         """Return the file with all edits; see `Document.octets`. Raises DocumentError."""
         return self._document.octets(self._changes, file)
 
+    def octets_with(self, change: Change) -> bytes:
+        """Return the file with all edits and a further change. Raises DocumentError."""
+        return self._document.octets([*self._changes, change])
+
     @property
     def system(self) -> System:
         """The system of the file with all edits. Raises DocumentError."""

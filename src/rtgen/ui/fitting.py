@@ -59,34 +59,35 @@ def require_fitting(session: Session, command: ui.Connect) -> None:
     A property `rtgen.allow.CODE` of the command, with a reason, allows a finding.
     """
     properties = {each.name: each.text for each in command.properties}
-    findings = _judged(session, command.source, command.target, properties)
+    findings = judged(session, command.source, command.target, properties)
     for finding in findings:
         if finding.severity is Severity.ERROR:
-            raise CommandError(NO_FIT, _text(finding), finding.hint or "")
+            raise CommandError(NO_FIT, text_of(finding), finding.hint or "")
     for finding in findings:
         hint = f"; {finding.hint}" if finding.hint else ""
-        session.notice("warning", "", f"{_text(finding)}{hint}")
+        session.notice("warning", "", f"{text_of(finding)}{hint}")
 
 
 def _fit(
     session: Session, here: ui.PortAddress, there: ui.PortAddress, obstacle: str
 ) -> ui.Fit:
     """Return the verdict on two ports; the run's reason has more to say of types."""
-    for finding in _judged(session, here, there, {}):
+    for finding in judged(session, here, there, {}):
         if finding.severity is Severity.ERROR and obstacle:
             return ui.Fit(port=there, refused=f"{finding.code}: {obstacle}")
         if finding.severity is Severity.ERROR:
             allow = finding.code if finding.code in ALLOWABLE else ""
-            return ui.Fit(port=there, refused=_text(finding), allow=allow)
+            return ui.Fit(port=there, refused=text_of(finding), allow=allow)
     return ui.Fit(port=there, refused=obstacle)
 
 
-def _judged(
+def judged(
     session: Session,
     source: ui.PortAddress,
     target: ui.PortAddress,
     properties: Mapping[str, str],
 ) -> Sequence[Diagnostic]:
+    """Return the findings about a connection of two ports with these properties."""
     types = {each.instance: _type(session, each.instance) for each in (source, target)}
     ends = [PortReference(instance=e.instance, port=e.port) for e in (source, target)]
     findings = session.project.judged(ends[0], ends[1], types, properties)
@@ -114,7 +115,8 @@ def _type(session: Session, instance: str) -> str:
     return ""
 
 
-def _text(finding: Diagnostic) -> str:
+def text_of(finding: Diagnostic) -> str:
+    """Return a finding as pages show it."""
     return f"{finding.code}: {finding.message}"
 
 

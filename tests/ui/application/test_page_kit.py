@@ -81,7 +81,7 @@ def test_all_components_are_drawn_in_both_schemes(
     rename = page.get_by_role("button", name="Rename")
     rename.hover()
     page.get_by_role("tooltip").get_by_text("Rename").wait_for()
-    grip = page.get_by_role("separator", name="Width of right")
+    grip = page.get_by_role("separator", name="Width of the panes")
     before = page.get_by_text("left pane").bounding_box()["width"]
     reach(page, grip)
     page.keyboard.press("ArrowLeft")

@@ -33,7 +33,7 @@ VIEWS = {
     (BOARD, "MotorBoardMarshaller0"): ("Services", "Boards"),
 }
 """The views that show most of a system, by its file and a component."""
-LOOKS = [(width, colours) for width in (1440, 820) for colours in ("light", "dark")]
+LOOKS = [(width, colours) for width in (1440, 1024) for colours in ("light", "dark")]
 GRAPHICS = 3.0
 """The least contrast of curves (WCAG 2.2, 1.4.11)."""
 PAPER = {"light": (255, 255, 255), "dark": (20, 23, 27)}
@@ -154,7 +154,7 @@ def test_plots_follow_the_width_of_their_panel(any_look: Any, session: Session) 
     pose = page.get_by_role("region", name="Odometry0.OdometryPosition")
     plot = pose.get_by_role("img", name="Values over time")
     found = set()
-    for width in (820, 1440, 820):
+    for width in (1024, 1440, 1024):
         page.set_viewport_size({"width": width, "height": 900})
         plot.locator(".uplot").wait_for()
         until(page, lambda: plot.evaluate(WIDTHS) == 0)

@@ -45,7 +45,7 @@ def test_one_that_is_loaded_again_finds_its_state(page: Any, session: Session) -
     page.reload()
     page.get_by_label("Time of the run").get_by_text(now).wait_for()
     page.get_by_role("tab", name="Timeline").click()
-    lines = page.get_by_role("tabpanel").get_by_role("listitem")
+    lines = page.locator(".panel").get_by_role("listitem")
     lines.get_by_text("ACTIVE").first.wait_for()
     page.get_by_role("button", name="Play").click()
     page.get_by_role("button", name="Pause").wait_for()

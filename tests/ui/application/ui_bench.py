@@ -30,7 +30,7 @@ GOAL = ROOT / "specs/navigation/rh3_goal.xml"
 MOST_TABS = 400
 """The elements of a page that Tab reaches are fewer."""
 QUIET = Console("text", False, True)
-WIDE, NARROW = (1440, "light"), (820, "dark")
+WIDE, NARROW = (1440, "light"), (1024, "dark")
 """The looks of pages: width and colours."""
 
 

@@ -3,10 +3,10 @@
 import { Pencil, Play, Plus, RotateCcw, Square, Undo2, X } from "lucide-react";
 import * as Tooltip from "@radix-ui/react-tooltip";
 import { useState } from "react";
+import { Group, Panel as Pane, Separator } from "react-resizable-panels";
 import { Menu } from "../Menu.tsx";
 import { Button, IconButton } from "./Button.tsx";
 import { Dialog, Question } from "./Dialog.tsx";
-import { Split } from "./Split.tsx";
 import { Tabs } from "./Tabs.tsx";
 
 const VIEWS = ["Values", "Connections", "Timeline"] as const;
@@ -149,13 +149,15 @@ export function Gallery() {
             <Button onClick={() => ask("menu")}>Open the menu</Button>
           </div>
           <div className="frame">
-            <Split
-              id="gallery"
-              panes={[
-                { id: "left", least: "20%", content: <p className="empty">left pane</p> },
-                { id: "right", least: "20%", content: <p className="empty">right pane</p> },
-              ]}
-            />
+            <Group orientation="horizontal">
+              <Pane minSize="20%">
+                <p className="empty">left pane</p>
+              </Pane>
+              <Separator className="grip horizontal" aria-label="Width of the panes" />
+              <Pane minSize="20%">
+                <p className="empty">right pane</p>
+              </Pane>
+            </Group>
           </div>
         </section>
       </main>

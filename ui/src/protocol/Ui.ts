@@ -72,6 +72,7 @@ export {
   Ui$SdoAccess as SdoAccess,
   Ui$NodeAddress as NodeAddress,
   Ui$Inject as Inject,
+  Ui$Adjust as Adjust,
   Ui$RenameKind as RenameKind,
   Ui$Rename as Rename,
   Ui$CommandKind as CommandKind,

@@ -2,10 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from typing import Final, TypeAlias
 
 from rtgen.compiler.backends.profiles.rts_profile.elements import (
+    ATTRIBUTE_DEFAULTS,
     InstancePorts,
     component_element,
     connector_element,
@@ -21,6 +22,7 @@ from rtgen.compiler.systems.conditions import (
     TOLERANCE,
     UNTIL,
 )
+from rtgen.facts.connector_properties import PROFILE_ATTRIBUTES
 from rtgen.facts.openrtm_ports import FOREIGN
 from rtgen.ui.documents.elements import Editable, editable
 
@@ -59,7 +61,7 @@ class Profile:
             return
         self.add(component, ports)
         names = _names(self._property(FOREIGN))
-        self._set_property(FOREIGN, ", ".join((*names, component.instance)))
+        _set_property(self.root, FOREIGN, ", ".join((*names, component.instance)))
 
     def remove(self, instance: str) -> None:
         """Remove a component with its connections, and all that refers to it."""
@@ -74,16 +76,16 @@ class Profile:
             names = _names(self._property(name))
             remaining = [each for each in names if each.partition(".")[0] != instance]
             if remaining != names:
-                self._set_property(name, ", ".join(remaining))
+                _set_property(self.root, name, ", ".join(remaining))
                 lost += [] if remaining else [name]
         if any(name in lost for name in _JUDGED):
-            self._set_property(TOLERANCE, "")
+            _set_property(self.root, TOLERANCE, "")
         until = _names(self._property(UNTIL))
         remaining = [
             each for each in until if each.partition("=")[0].strip() != instance
         ]
         if remaining != until:
-            self._set_property(UNTIL, ",".join(remaining))
+            _set_property(self.root, UNTIL, ",".join(remaining))
 
     def move(self, instance: str, x: int, y: int) -> None:
         """Set the place of a component."""
@@ -145,6 +147,21 @@ class Profile:
         element = editable(connector_element(connection, ids))
         self.root.insert(element, position)
 
+    def adjust(self, name: str, properties: Mapping[str, str]) -> None:
+        """Set properties of a connection; an empty text: the default."""
+        connector = next(
+            child
+            for child in self.root.children
+            if child.name[1] in _CONNECTORS and connection_name(child) == name
+        )
+        for key, text in properties.items():
+            if attribute := PROFILE_ATTRIBUTES.get(key):
+                if text or connector.get(attribute):
+                    value = text or ATTRIBUTE_DEFAULTS.get(key, "")
+                    connector.attributes[RTS, attribute] = value
+            else:
+                _set_property(connector, key, text)
+
     def cut(self, name: str) -> None:
         """Remove a connection."""
         self.root.children = [
@@ -161,25 +178,23 @@ class Profile:
                 return each.get("value", RTS_EXT)
         return ""
 
-    def _set_property(self, name: str, value: str) -> None:
-        """Set a property, or remove it if the value is empty."""
-        properties = [
-            each
-            for each in self.root.all("Properties")
-            if each.get("name", RTS_EXT) == name
-        ]
-        for each in properties:
-            if value:
-                each.attributes[RTS_EXT, "value"] = value
-            else:
-                self.root.children.remove(each)
-        if value and not properties:
-            attributes = {(RTS_EXT, "name"): name, (RTS_EXT, "value"): value}
-            self.root.insert(Editable((RTS_EXT, "Properties"), attributes), position)
-
-
 Change: TypeAlias = Callable[[Profile], None]
 """A change of a profile. Raises LookupError if the profile lacks what is changed."""
+
+
+def _set_property(element: Editable, name: str, value: str) -> None:
+    """Set a property of an element, or remove it if the value is empty."""
+    properties = [
+        each for each in element.all("Properties") if each.get("name", RTS_EXT) == name
+    ]
+    for each in properties:
+        if value:
+            each.attributes[RTS_EXT, "value"] = value
+        else:
+            element.children.remove(each)
+    if value and not properties:
+        attributes = {(RTS_EXT, "name"): name, (RTS_EXT, "value"): value}
+        element.insert(Editable((RTS_EXT, "Properties"), attributes), position)
 
 
 def connection_name(connector: Editable) -> str:

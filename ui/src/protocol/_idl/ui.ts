@@ -4,7 +4,7 @@
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
 /** Version of the protocol; a page with another version reloads. */
-export const Ui$VERSION = 7;
+export const Ui$VERSION = 8;
 
 /** Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones. */
 export const Ui$MAX_SAMPLES = 2000;
@@ -573,6 +573,8 @@ export interface Ui$SystemState {
   plan: Ui$PlannedEvent[];
   /** What the system is, as its file says. */
   doc: string;
+  /** Those that a page edits of data connections; the default of `type` is that of the port. */
+  properties: Ui$Parameter[];
 }
 export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState", [
   field("name", string()),
@@ -591,6 +593,7 @@ export const Ui$SystemState: CdrType<Ui$SystemState> = struct("Ui::SystemState",
   field("foreign", Ui$Strings),
   field("plan", sequence(Ui$PlannedEvent)),
   field("doc", string()),
+  field("properties", sequence(Ui$Parameter)),
 ]);
 
 export interface Ui$Hello {
@@ -738,7 +741,7 @@ export const Ui$Fit: CdrType<Ui$Fit> = struct("Ui::Fit", [
   field("allow", string()),
 ]);
 
-/** What a rename changes in a file. */
+/** What a command changes in a file. */
 export interface Ui$FileChange {
   file: string;
   /** Empty: the file stays where it is. */
@@ -766,7 +769,7 @@ export interface Ui$Result {
   text: string;
   fits: Ui$Fit[];
   objects: Ui$ObjectEntry[];
-  /** What a rename changes, or has changed. */
+  /** What a rename or an adjustment changes, or has changed. */
   renamed: Ui$FileChange[];
 }
 export const Ui$Result: CdrType<Ui$Result> = struct("Ui::Result", [
@@ -996,6 +999,20 @@ export const Ui$Inject: CdrType<Ui$Inject> = struct("Ui::Inject", [
   field("data", Ui$Octets),
 ]);
 
+/** Properties of a connection of data ports. */
+export interface Ui$Adjust {
+  connection: string;
+  /** Those that change; an empty text: the default. None: judge the connection as it is. */
+  properties: Ui$ValueList;
+  /** FALSE: say what would change. */
+  carried_out: boolean;
+}
+export const Ui$Adjust: CdrType<Ui$Adjust> = struct("Ui::Adjust", [
+  field("connection", string()),
+  field("properties", Ui$ValueList),
+  field("carried_out", boolean),
+]);
+
 export type Ui$RenameKind = "RENAME_INSTANCE" | "RENAME_COMPONENT" | "RENAME_PORT" | "RENAME_PARAMETER";
 export const Ui$RenameKind: CdrType<Ui$RenameKind> = enumeration("Ui::RenameKind", { RENAME_INSTANCE: 0, RENAME_COMPONENT: 1, RENAME_PORT: 2, RENAME_PARAMETER: 3 });
 
@@ -1018,8 +1035,8 @@ export const Ui$Rename: CdrType<Ui$Rename> = struct("Ui::Rename", [
   field("carried_out", boolean),
 ]);
 
-export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK" | "COMMAND_BESIDE" | "COMMAND_RESTORE" | "COMMAND_REPLACE" | "COMMAND_RENAME";
-export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30, COMMAND_REPLACE: 31, COMMAND_RENAME: 32 });
+export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK" | "COMMAND_BESIDE" | "COMMAND_RESTORE" | "COMMAND_REPLACE" | "COMMAND_RENAME" | "COMMAND_ADJUST";
+export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30, COMMAND_REPLACE: 31, COMMAND_RENAME: 32, COMMAND_ADJUST: 33 });
 
 export type Ui$Command =
   /** All channels whose samples the page wants. */
@@ -1064,6 +1081,8 @@ export type Ui$Command =
   | { case: "kept"; value: boolean; discriminator?: Ui$CommandKind }
   /** Files that use the name change with it; the run begins again. */
   | { case: "renamed"; value: Ui$Rename; discriminator?: Ui$CommandKind }
+  /** The Result has the findings of the judge as `text`, and the change of the file in `renamed`. */
+  | { case: "adjusted"; value: Ui$Adjust; discriminator?: Ui$CommandKind }
   /** The time that this page shows; negative: the present. */
   | { case: "looked"; value: number; discriminator?: Ui$CommandKind }
   ;
@@ -1100,6 +1119,7 @@ export const Ui$Command: CdrType<Ui$Command> = union("Ui::Command", Ui$CommandKi
   branch("reset", boolean, ["COMMAND_RESTORE"]),
   branch("kept", boolean, ["COMMAND_BESIDE"]),
   branch("renamed", Ui$Rename, ["COMMAND_RENAME"]),
+  branch("adjusted", Ui$Adjust, ["COMMAND_ADJUST"]),
   branch("looked", double, ["COMMAND_LOOK"]),
 ]);
 

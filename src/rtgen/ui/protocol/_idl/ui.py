@@ -9,7 +9,7 @@ from typing import ClassVar, Final, Self, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
-VERSION: Final = 7
+VERSION: Final = 8
 """Version of the protocol; a page with another version reloads."""
 MAX_SAMPLES: Final = 2000
 """Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones."""
@@ -769,6 +769,7 @@ class SystemState(Aggregated):
         foreign=_Strings_alias,
         plan=idl.sequence(PlannedEvent),
         doc=idl.STRING,
+        properties=idl.sequence(Parameter),
     )
 
     name: str = ""
@@ -793,6 +794,8 @@ class SystemState(Aggregated):
     """The timeline of the system, in order."""
     doc: str = ""
     """What the system is, as its file says."""
+    properties: list[Parameter] = field(default_factory=list)
+    """Those that a page edits of data connections; the default of `type` is that of the port."""
 
 
 class Hello(Aggregated):
@@ -982,7 +985,7 @@ class Fit(Aggregated):
 
 
 class FileChange(Aggregated):
-    """What a rename changes in a file."""
+    """What a command changes in a file."""
 
     _descriptor_: ClassVar = idl.struct(
         "Ui::FileChange",
@@ -1029,7 +1032,7 @@ class Result(Aggregated):
     fits: list[Fit] = field(default_factory=list)
     objects: list[ObjectEntry] = field(default_factory=list)
     renamed: list[FileChange] = field(default_factory=list)
-    """What a rename changes, or has changed."""
+    """What a rename or an adjustment changes, or has changed."""
 
 
 SampleList: TypeAlias = list[Sample]
@@ -1610,6 +1613,23 @@ class Inject(Aggregated):
     """XCDR1 with its encapsulation header."""
 
 
+class Adjust(Aggregated):
+    """Properties of a connection of data ports."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "Ui::Adjust",
+        connection=idl.STRING,
+        properties=_ValueList_alias,
+        carried_out=idl.BOOLEAN,
+    )
+
+    connection: str = ""
+    properties: ValueList = field(default_factory=list)
+    """Those that change; an empty text: the default. None: judge the connection as it is."""
+    carried_out: bool = False
+    """FALSE: say what would change."""
+
+
 class RenameKind(Enumeration):
     """`Ui::RenameKind`."""
 
@@ -1681,6 +1701,7 @@ class CommandKind(Enumeration):
     COMMAND_RESTORE = 30
     COMMAND_REPLACE = 31
     COMMAND_RENAME = 32
+    COMMAND_ADJUST = 33
 
 
 idl.enum(CommandKind, "Ui::CommandKind")
@@ -1724,11 +1745,12 @@ class Command(Union):
         reset=idl.case(idl.BOOLEAN, CommandKind.COMMAND_RESTORE),
         kept=idl.case(idl.BOOLEAN, CommandKind.COMMAND_BESIDE),
         renamed=idl.case(Rename, CommandKind.COMMAND_RENAME),
+        adjusted=idl.case(Adjust, CommandKind.COMMAND_ADJUST),
         looked=idl.case(idl.DOUBLE, CommandKind.COMMAND_LOOK),
     )
 
     discriminator: CommandKind = CommandKind.COMMAND_WATCH
-    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call__ | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | Inject | Rename = field(default_factory=list)  # fmt: skip
+    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call__ | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | Inject | Rename | Adjust = field(default_factory=list)  # fmt: skip
 
     @classmethod
     def of_channels(cls, value: list[int]) -> Self:
@@ -2080,6 +2102,17 @@ class Command(Union):
     def renamed(self) -> Rename:
         """Files that use the name change with it; the run begins again."""
         value: Rename = self._selected_("renamed")
+        return value
+
+    @classmethod
+    def of_adjusted(cls, value: Adjust) -> Self:
+        """A value of the branch `adjusted`."""
+        return cls(CommandKind.COMMAND_ADJUST, value)
+
+    @property
+    def adjusted(self) -> Adjust:
+        """The Result has the findings of the judge as `text`, and the change of the file in `renamed`."""
+        value: Adjust = self._selected_("adjusted")
         return value
 
     @classmethod

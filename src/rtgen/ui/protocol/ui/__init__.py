@@ -10,6 +10,7 @@ from .._idl.ui import (
     ActiveSet as ActiveSet,
     AddComponent as AddComponent,
     AddedTypes as AddedTypes,
+    Adjust as Adjust,
     Binding as Binding,
     BindingKind as BindingKind,
     BoardCall as BoardCall,
@@ -191,11 +192,13 @@ COMMAND_BESIDE: Final = CommandKind.COMMAND_BESIDE
 COMMAND_RESTORE: Final = CommandKind.COMMAND_RESTORE
 COMMAND_REPLACE: Final = CommandKind.COMMAND_REPLACE
 COMMAND_RENAME: Final = CommandKind.COMMAND_RENAME
+COMMAND_ADJUST: Final = CommandKind.COMMAND_ADJUST
 
 __all__ = [
     "ActiveSet",
     "AddComponent",
     "AddedTypes",
+    "Adjust",
     "BINDING_COMPONENT",
     "BINDING_CONTEXT",
     "BINDING_DEAD",
@@ -212,6 +215,7 @@ __all__ = [
     "COMMAND_ACTIVATE",
     "COMMAND_ACTIVATE_SET",
     "COMMAND_ADD",
+    "COMMAND_ADJUST",
     "COMMAND_BESIDE",
     "COMMAND_CALL",
     "COMMAND_CONNECT",

@@ -25,7 +25,7 @@ from rtgen.compiler.model.profile_elements import (
 )
 from rtgen.facts.connector_properties import PROFILE_ATTRIBUTES
 
-_DEFAULTS = {
+ATTRIBUTE_DEFAULTS = {
     "dataport.interface_type": "corba_cdr",
     "dataport.dataflow_type": "push",
     "dataport.subscription_type": "flush",
@@ -165,7 +165,7 @@ def connector_element(connection: Connection, ids: Mapping[str, str]) -> Profile
     kind = "Service" if connection.service else "Data"
     if not connection.service:
         for key, attribute in PROFILE_ATTRIBUTES.items():
-            attributes[attribute] = properties.pop(key, _DEFAULTS.get(key, ""))
+            attributes[attribute] = properties.pop(key, ATTRIBUTE_DEFAULTS.get(key, ""))
 
     def end(name: str, reference: PortReference) -> ProfileElement:
         instance = reference.instance

@@ -1,0 +1,58 @@
+/** The views of a narrow page: one fills the screen, the bar below it changes it. */
+
+import { Boxes, ChartLine, Ellipsis, Gamepad2, History, Map as MapIcon, Workflow } from "lucide-react";
+import type { LucideIcon } from "lucide-react";
+import { useState } from "react";
+import type { ReactNode } from "react";
+import { Button } from "./kit/Button.tsx";
+import { Dialog } from "./kit/Dialog.tsx";
+import type { View } from "./views.ts";
+import { VIEWS, isOfComponent } from "./views.ts";
+
+const SHOWN: readonly (readonly [View, string, LucideIcon])[] = [
+  ["Wiring", "Wiring", Workflow],
+  ["Values", "Values", ChartLine],
+  ["Map", "Map", MapIcon],
+  ["Drive", "Drive", Gamepad2],
+  ["Timeline", "Time", History],
+];
+
+export function Bar({ shown, show, offered, children }: { shown: View; show: (view: View) => void; offered: (view: View) => boolean; children?: ReactNode }) {
+  const [more, open] = useState(false);
+  const isIn = (view: View) => view === shown || (view === "Values" && isOfComponent(shown));
+  const rest = VIEWS.filter((each) => !isOfComponent(each) && !SHOWN.some(([view]) => view === each) && (each === "Palette" || offered(each)));
+  return (
+    <nav className="bar" aria-label="Views">
+      {SHOWN.map(([view, name, Icon]) => (
+        <button key={view} type="button" aria-current={isIn(view) ? "page" : undefined} onClick={() => show(view)}>
+          <Icon size={20} aria-hidden />
+          {name}
+        </button>
+      ))}
+      <button type="button" aria-haspopup="dialog" aria-current={SHOWN.some(([view]) => isIn(view)) ? undefined : "page"} onClick={() => open(true)}>
+        <Ellipsis size={20} aria-hidden />
+        More
+      </button>
+      {more && (
+        <Dialog title="More" close={() => open(false)} className="more">
+          <div className="choice">
+            {rest.map((view) => (
+              <Button
+                key={view}
+                icon={Boxes}
+                aria-pressed={view === shown}
+                onClick={() => {
+                  open(false);
+                  show(view);
+                }}
+              >
+                {view === "Palette" ? "Components" : view}
+              </Button>
+            ))}
+          </div>
+          {children}
+        </Dialog>
+      )}
+    </nav>
+  );
+}

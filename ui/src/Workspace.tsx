@@ -1,0 +1,163 @@
+/** Panes of views that are split, exchanged, resized and remembered; the first one is the main pane. */
+
+import { ArrowLeftRight, EllipsisVertical } from "lucide-react";
+import type { KeyboardEvent, ReactNode, RefObject } from "react";
+import { useMemo, useState } from "react";
+import { Separator, Workspace as Panes, useParentTabsetState, useParentWorkspace } from "react-resizable-panels";
+import type { HiddenTabBehavior, Orientation, TabNode, TabRenderProps, TabsetNode, WorkspaceImperativeHandle } from "react-resizable-panels";
+import { IconButton } from "./kit/Button.tsx";
+import { Menu } from "./Menu.tsx";
+import type { Item, Place } from "./Menu.tsx";
+import type { Tree, View } from "./views.ts";
+import { VIEWS, exchanged, isOfComponent, panes, tabOf, written } from "./views.ts";
+
+type Handle = WorkspaceImperativeHandle<View>;
+
+/** What the rest of the page asks of its panes. */
+export class Arranger {
+  constructor(private readonly handle: RefObject<Handle | null>) {}
+
+  private get panes(): TabsetNode<View>[] {
+    return this.handle.current ? panes(this.handle.current.getModel().root) : [];
+  }
+
+  has(view: View): boolean {
+    return this.panes.some((each) => each.tabs.some(({ id }) => id === view));
+  }
+
+  /** Shows a view where it is, else beside the views of components. */
+  open(view: View): void {
+    if (this.has(view)) this.handle.current?.selectTab(view);
+    else this.add(view, true);
+  }
+
+  add(view: View, select = false): void {
+    const handle = this.handle.current;
+    if (!handle || this.has(view)) return;
+    if (view === "Palette") handle.addTab(tabOf(view), { target: { edge: "left" }, size: "260px" });
+    else {
+      const beside = this.panes.find((each) => each.tabs.some(({ data }) => isOfComponent(data))) ?? this.panes.at(-1)!;
+      handle.addTab(tabOf(view), { tabsetId: beside.id, select });
+    }
+  }
+
+  close(view: View): void {
+    if (this.has(view)) this.handle.current?.closeTab(view);
+  }
+
+  /** Whether a pane has this view alone. */
+  isAlone(view: View): boolean {
+    return this.panes.some((each) => each.tabs.length === 1 && each.tabs[0]!.id === view);
+  }
+
+  /** Whether a view of components is shown. */
+  get showsComponent(): boolean {
+    return this.panes.some((each) => isOfComponent((each.selectedId ?? each.tabs[0]?.id) as View));
+  }
+
+  arrange(root: Tree): void {
+    this.handle.current?.setModel({ version: 1, root });
+  }
+}
+
+function Tab({ tab, props }: { tab: TabNode<View>; props: TabRenderProps }) {
+  const handle = useParentWorkspace<View>();
+  return (
+    <div
+      {...props}
+      onKeyDown={(e: KeyboardEvent<HTMLElement>) => {
+        // Delete is for what is selected in the wiring; views are closed by the menu of their pane.
+        if (e.key === "Delete" || e.key === "Backspace") return;
+        props.onKeyDown?.(e);
+        const reached = (document.activeElement as HTMLElement | null)?.dataset["tabId"];
+        if (reached && reached !== tab.id) handle?.selectTab(reached);
+      }}
+    >
+      {tab.title}
+    </div>
+  );
+}
+
+const renderTab = (tab: TabNode<View>, props: TabRenderProps) => <Tab tab={tab} props={props} />;
+
+const renderSeparator = (orientation: Orientation) => <Separator className={`grip ${orientation}`} aria-label={orientation === "horizontal" ? "Width of the panes" : "Height of the panes"} />;
+
+/** The buttons of a pane, which do by keyboard what dragging its tabs does by mouse. */
+function Toolbar({ tabset }: { tabset: TabsetNode<View> }) {
+  const handle = useParentWorkspace<View>();
+  const state = useParentTabsetState();
+  const [menu, show] = useState<Place>();
+  if (!handle || !state) return null;
+  const view = (tabset.selectedId ?? tabset.tabs[0]?.id) as View | undefined;
+  if (!view) return null;
+  const items = (): Item[] => {
+    const { root } = handle.getModel();
+    const all = panes(root);
+    const opened = all.flatMap((each) => each.tabs.map(({ data }) => data));
+    const put = (other: View) =>
+      opened.includes(other) ? handle.moveTab(other, { tabsetId: tabset.id, region: "center" }) : handle.addTab(tabOf(other), { tabsetId: tabset.id });
+    const move = (region: "right" | "bottom") => handle.moveTab(view, { tabsetId: tabset.id, region });
+    return [
+      ...(tabset.tabs.length > 1
+        ? [
+            { name: `${view} beside the others`, act: () => move("right") },
+            { name: `${view} below the others`, act: () => move("bottom") },
+          ]
+        : []),
+      ...(state.isRoot ? [] : [state.isMaximized ? { name: "All panes", act: () => handle.restoreTabset() } : { name: "This pane alone", act: () => handle.maximizeTabset(tabset.id) }]),
+      ...(opened.length > 1 ? [{ name: `Close ${view}`, act: () => handle.closeTab(view) }] : []),
+      ...VIEWS.filter((each) => !tabset.tabs.some(({ id }) => id === each)).map((each) => ({ name: `Show ${each} here`, act: () => void put(each) })),
+    ];
+  };
+  const isMain = panes(handle.getModel().root)[0]?.id === tabset.id;
+  return (
+    <>
+      {!isMain && (
+        <IconButton icon={ArrowLeftRight} look="plain" label={`Exchange ${view} with the main pane`} onClick={() => handle.setModel({ ...handle.getModel(), root: exchanged(handle.getModel().root, view) })} />
+      )}
+      <IconButton
+        icon={EllipsisVertical}
+        look="plain"
+        label={`Pane of ${view}`}
+        onClick={(e) => {
+          const box = e.currentTarget.getBoundingClientRect();
+          show({ label: `Pane of ${view}`, x: box.left, y: box.bottom });
+        }}
+      />
+      {menu && <Menu place={menu} items={items()} close={() => show(undefined)} />}
+    </>
+  );
+}
+
+const renderToolbar = (tabset: TabsetNode<View>) => <Toolbar tabset={tabset} />;
+
+/** The wiring keeps its layout, services keep what was typed. */
+const hidden = ({ data }: TabNode<View>): HiddenTabBehavior => (data === "Wiring" ? "keep-mounted" : data === "Services" ? "activity" : "unmount");
+
+interface Props {
+  handle: RefObject<Handle | null>;
+  first: Tree;
+  /** Is called with the panes as text whenever they have changed. */
+  changed: (text: string) => void;
+  content: (view: View) => ReactNode;
+}
+
+export function Workspace({ handle, first, changed, content }: Props) {
+  const model = useMemo(() => ({ version: 1 as const, root: first }), []);
+  return (
+    <Panes<View>
+      className="panes"
+      workspaceRef={handle}
+      defaultModel={model}
+      onModelChanged={({ root }) => changed(written(root))}
+      renderTab={renderTab}
+      renderTabContent={({ data }) => content(data)}
+      renderTabsetToolbar={renderToolbar}
+      renderSeparator={renderSeparator}
+      hiddenTabBehavior={hidden}
+      lazyTabContent
+      tabsetMinWidth="240px"
+      tabsetMinHeight="120px"
+    />
+  );
+}
