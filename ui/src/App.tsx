@@ -26,7 +26,7 @@ import { openPicker } from "./picker.ts";
 import { Rename } from "./Rename.tsx";
 import { PHONE, ROOM, useWidth } from "./width.ts";
 import { TimeBar } from "./TimeBar.tsx";
-import { COMPONENT, PRESETS, hasContent, isOfComponent, isView, read } from "./views.ts";
+import { COMPONENT, PRESETS, hasContent, isOfComponent, isSeen, isView, read } from "./views.ts";
 import type { View } from "./views.ts";
 import { Wiring } from "./Wiring.tsx";
 import { Arranger, Workspace } from "./Workspace.tsx";
@@ -74,7 +74,6 @@ export function App() {
     },
     [arranger],
   );
-  const arrange = useCallback((name: string) => arranger.arrange(PRESETS[name]!()), [arranger]);
   const changed = useCallback((text: string) => {
     setPanes(text);
     state("panes", text);
@@ -118,13 +117,22 @@ export function App() {
   const offered = (view: View): boolean => system !== undefined && hasContent(view, system, calls);
   const [buses, boards, names] = [offered("Buses"), offered("Boards"), offered("Palette")];
   const isReady = system !== undefined && isWide;
-  // Views that have got something to show come, those that have lost it go.
-  useEffect(() => {
-    if (!isReady) return;
+  const trim = useCallback(() => {
     for (const [view, has] of [["Buses", buses], ["Boards", boards]] as const)
       if (has) arranger.add(view);
       else if (!arranger.isAlone(view)) arranger.close(view);
-  }, [arranger, isReady, buses, boards]);
+  }, [arranger, buses, boards]);
+  const arrange = useCallback(
+    (name: string) => {
+      arranger.arrange(PRESETS[name]!());
+      trim();
+    },
+    [arranger, trim],
+  );
+  // Views that have got something to show come, those that have lost it go.
+  useEffect(() => {
+    if (isReady) trim();
+  }, [isReady, trim]);
   useEffect(() => {
     if (isReady && names) arranger.add("Palette");
   }, [arranger, isReady, names]);
@@ -180,7 +188,7 @@ export function App() {
         ) : view === "Map" ? (
           <MapView system={system} />
         ) : view === "Drive" ? (
-          <Drive system={system} full={full} />
+          <Drive system={system} full={full} map={!isWide || !isSeen(panes, "Map")} />
         ) : view === "Buses" ? (
           <BusView system={system} full={full} />
         ) : view === "Boards" ? (

@@ -204,7 +204,8 @@ function Limit({ label, value, set }: { label: string; value: number; set: (valu
   );
 }
 
-export function Drive({ system, full }: { system: SystemState; full: boolean }) {
+/** `map`: whether the map is below the stick, since it is not seen elsewhere. */
+export function Drive({ system, full, map }: { system: SystemState; full: boolean; map: boolean }) {
   const [name, choose] = useState("");
   const [speed, setSpeed] = useState(0.3);
   const [rate, setRate] = useState(0.5);
@@ -240,7 +241,7 @@ export function Drive({ system, full }: { system: SystemState; full: boolean }) 
           this view is open.
         </small>
       </p>
-      <MapView system={system} />
+      {map && <MapView system={system} />}
     </>
   );
 }

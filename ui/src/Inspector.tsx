@@ -358,7 +358,7 @@ function NodeCard({ system, bus, id, select, inspect, open }: Common & { bus: st
   const line = linesOf(system.components, system.buses).find((each) => each.name === bus)!;
   const node = line.nodes.find((each) => each.id === id)!;
   const device = system.buses.find((each) => each.name === bus)?.nodes.find((each) => each.node_id === id)?.device;
-  const frames = store.traffic.frames.filter((each) => each.bus === bus && each.node_id === id);
+  const frames = store.traffic.frames.map((each) => each.frame).filter((each) => each.bus === bus && each.node_id === id);
   const last = frames.at(-1);
   const list = (name: string, instances: readonly string[]) =>
     instances.length > 0 && (

@@ -1,15 +1,15 @@
 /** The graph of components and connections, changed by mouse and by keyboard. */
 
 import { Background, BaseEdge, ControlButton, Controls, EdgeLabelRenderer, Handle, MiniMap, Position, ReactFlow, getSmoothStepPath, useNodesState, useStore } from "@xyflow/react";
-import { LayoutGrid, Map as MapIcon, Plus } from "lucide-react";
+import { Group, LayoutGrid, Map as MapIcon, Plus } from "lucide-react";
 import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowInstance } from "@xyflow/react";
 import type { CSSProperties, RefObject } from "react";
 import { memo, useCallback, useContext, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
 import { BusLine } from "./BusLine.tsx";
 import type { BusNode, Drop } from "./BusLine.tsx";
 import { Button } from "./kit/Button.tsx";
-import { WIDEST, around, arrange, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, width } from "./layout.ts";
-import type { Arrangement, Point } from "./layout.ts";
+import { WIDEST, around, arrange, frames, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, width } from "./layout.ts";
+import type { Arrangement, Grouping, Point } from "./layout.ts";
 import { linesOf } from "./lines.ts";
 import { Inspecting } from "./Inspector.tsx";
 import type { Subject } from "./Inspector.tsx";
@@ -34,7 +34,7 @@ interface BoxData extends Record<string, unknown> {
 }
 
 type Box = Node<BoxData, "component">;
-type Shown = Box | BusNode;
+type Shown = Box | BusNode | GroupNode;
 
 /** React Flow puts ids into selectors, so names with any characters are escaped. */
 const idOf = encodeURIComponent;
@@ -100,7 +100,18 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
   );
 }
 
-const nodeTypes = { component: ComponentBox, bus: BusLine };
+type GroupNode = Node<{ name: string }, "frame">;
+
+/** A group of boxes: those of a process, or of a host. */
+function GroupFrame({ data: { name } }: NodeProps<GroupNode>) {
+  return (
+    <section className="frame-of" aria-label={`Group ${name}`}>
+      <bdi>{name}</bdi>
+    </section>
+  );
+}
+
+const nodeTypes = { component: ComponentBox, bus: BusLine, frame: GroupFrame };
 
 interface WireData extends Record<string, unknown> {
   route: readonly Point[] | undefined;
@@ -176,6 +187,9 @@ const plannedName = (number: number): string => `\0${number}`;
 const PART = 8;
 /** Distance between the lines of two nodes of a bus [px]. */
 const APART = 10;
+/** What boxes are grouped by; kept when the page is reloaded. */
+const GROUPED = "rtgen grouped";
+const GROUPINGS: readonly Grouping[] = ["", "process", "host"];
 /** Whether boxes are at the places of the layout; kept when the page is reloaded. */
 const ARRANGED = "rtgen arranged";
 
@@ -201,6 +215,9 @@ export const Wiring = memo(function Wiring(props: {
   const [nodes, setNodes, onNodesChange] = useNodesState<Shown>([]);
   const [arrangement, setArrangement] = useState<Arrangement & { shape: string }>();
   const [arranged, setArranged] = useState(() => sessionStorage.getItem(ARRANGED) !== "no");
+  const [by, groupBy] = useState<Grouping>(() => GROUPINGS.find((each) => each === sessionStorage.getItem(GROUPED)) ?? "");
+  /** Whether there are several processes, so that boxes can be grouped. */
+  const isSpread = new Set(components.map((each) => each.place)).size > 1;
   const [flow, setFlow] = useState<ReactFlowInstance<Shown, Wire>>();
   const section = useRef<HTMLElement>(null);
   const [room, setRoom] = useState("");
@@ -218,7 +235,7 @@ export const Wiring = memo(function Wiring(props: {
   const drags = useRef(0);
   /** Places of boxes moved by arrow keys, until they are stored. */
   const steered = useRef(new Map<string, Point>());
-  const shape = [file, ...components.map((each) => each.instance)].join("\n");
+  const shape = [file, by, ...components.map((each) => each.instance)].join("\n");
 
   const lines = useMemo(() => linesOf(components, buses), [components, buses]);
 
@@ -227,7 +244,7 @@ export const Wiring = memo(function Wiring(props: {
     const { clientWidth, clientHeight } = section.current!;
     const free = hung(components, connections, lines);
     const joined = components.filter((each) => !free.has(each.instance));
-    arrange(joined, connections, clientWidth, clientHeight, height(lines, byInstance(components))).then(
+    arrange(joined, connections, clientWidth, clientHeight, height(lines, byInstance(components)), by).then(
       (found) => current && setArrangement({ ...found, shape }),
       (error: unknown) => store.notify(`The layout failed: ${String(error)}`),
     );
@@ -248,8 +265,8 @@ export const Wiring = memo(function Wiring(props: {
     const corners = (arranged || !boxes.length ? [{ x: 0, y: 0 }, arrangement.end] : around(boxes)) as [Point, Point];
     const found = rails(lines, boxes, corners, byInstance(components.filter((each) => !placed.has(each))));
     const of = new Map([...found.places, ...boxes.map(({ component, x, y }) => [component.instance, { x, y }] as const)]);
-    return { of, rails: found.rails, corners: [corners[0], found.end] as [Point, Point] };
-  }, [arrangement, arranged, components, lines]);
+    return { of, rails: found.rails, corners: [corners[0], found.end] as [Point, Point], frames: frames(boxes, by) };
+  }, [arrangement, arranged, components, lines, by]);
 
   const joined = useMemo(() => {
     const found = new Map<string, Set<string>>();
@@ -307,7 +324,24 @@ export const Wiring = memo(function Wiring(props: {
           },
         };
       });
-      return [...boxes, ...buses];
+      const groups = places.frames.map(
+        ({ name, x, y, width, height }): GroupNode => ({
+          ...(known.get(`group ${name}`) as GroupNode | undefined),
+          id: `group ${name}`,
+          type: "frame",
+          position: { x, y },
+          width,
+          height,
+          zIndex: -2,
+          draggable: false,
+          selectable: false,
+          connectable: false,
+          deletable: false,
+          focusable: false,
+          data: { name },
+        }),
+      );
+      return [...groups, ...boxes, ...buses];
     });
   }, [components, places, lines, statistics, fits, joined, selected, setNodes]);
 
@@ -570,6 +604,20 @@ export const Wiring = memo(function Wiring(props: {
             >
               <LayoutGrid aria-hidden />
             </ControlButton>
+            {isSpread && (
+              <ControlButton
+                aria-pressed={by !== ""}
+                aria-label={`Groups: ${by || "none"}`}
+                title={`Groups: ${by ? `by ${by}` : "none"}. Click for ${{ "": "those of processes", process: "those of hosts", host: "none" }[by]}.`}
+                onClick={() => {
+                  const next = GROUPINGS[(GROUPINGS.indexOf(by) + 1) % GROUPINGS.length]!;
+                  groupBy(next);
+                  sessionStorage.setItem(GROUPED, next);
+                }}
+              >
+                <Group aria-hidden />
+              </ControlButton>
+            )}
             <ControlButton aria-pressed={mapped} aria-label="Small map" title="A small map of the whole wiring, by which the view is moved" onClick={() => showMap(!mapped)}>
               <MapIcon aria-hidden />
             </ControlButton>

@@ -178,18 +178,67 @@ const zoom = (across: number, down: number, wide: number, high: number, narrow =
   narrow ? Math.min((wide - MARGIN) / across, (high - LEFT - MARGIN) / down) : Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down);
 
 /** The layout with the largest zoom in a view, above the space for buses. */
-export async function arrange(components: readonly Component[], connections: readonly Connection[], wide: number, high: number, buses: number): Promise<Arrangement> {
-  const all = await proportioned(components, connections, wide / Math.max(high, 1));
+export async function arrange(components: readonly Component[], connections: readonly Connection[], wide: number, high: number, buses: number, by: Grouping): Promise<Arrangement> {
+  const all = await proportioned(components, connections, wide / Math.max(high, 1), by);
   if (!buses) return all;
-  const wider = await proportioned(components, connections, wide / Math.max(high - buses, high / 2, 1));
+  const wider = await proportioned(components, connections, wide / Math.max(high - buses, high / 2, 1), by);
   const [first, second] = [all, wider].map(({ end }) => zoom(end.x, end.y + buses, wide, high)) as [number, number];
   return second > first ? wider : all;
 }
 
+/** What boxes are grouped by, if at all. */
+export type Grouping = "" | "process" | "host";
+
+/** The space of a group around its boxes, above them for its name. */
+const FRAME = { side: 16, top: 36 };
+
+/** The group of a component: its naming context, or its host; empty for this process. */
+export function groupOf({ place }: Component, by: Grouping): string {
+  if (by !== "host") return by && place;
+  return /^.*?\.host_cxt(?=\/|$)/.exec(place)?.[0] ?? place.split("/")[0]!;
+}
+
+export interface Frame extends Point {
+  name: string;
+  width: number;
+  height: number;
+}
+
+/** The frames around the boxes of each group; none if there is one group only. */
+export function frames(boxes: readonly (Point & { component: Component })[], by: Grouping): Frame[] {
+  const groups = new Map<string, (Point & { component: Component })[]>();
+  for (const each of boxes) groups.set(groupOf(each.component, by), [...(groups.get(groupOf(each.component, by)) ?? []), each]);
+  if (!by || groups.size < 2) return [];
+  return [...groups].map(([name, members]) => {
+    const [start, end] = around(members);
+    const { side, top } = FRAME;
+    return { name: name || "this process", x: start.x - side, y: start.y - top, width: end.x - start.x + 2 * side, height: end.y - start.y + side + top };
+  });
+}
+
+/** The boxes of each group within a node of its own, if there are several. */
+function nested(boxes: (ElkNode & { group: string })[]): { children: ElkNode[]; isNested: boolean } {
+  const groups = [...new Set(boxes.map((each) => each.group))];
+  if (groups.length < 2) return { children: boxes, isNested: false };
+  const { side, top } = FRAME;
+  const padding = `[top=${top},left=${side},bottom=${side},right=${side}]`;
+  const children = groups.map((group, i) => ({ id: `group ${i}`, children: boxes.filter((each) => each.group === group), layoutOptions: { "elk.padding": padding } }));
+  return { children, isNested: true };
+}
+
 /** Layout in the proportion of a view; a chain that is too long is folded. */
-async function proportioned(components: readonly Component[], connections: readonly Connection[], aspect: number): Promise<Arrangement> {
+async function proportioned(components: readonly Component[], connections: readonly Connection[], aspect: number, by: Grouping): Promise<Arrangement> {
   const { default: ELK } = await import("elkjs/lib/elk.bundled.js");
   const known = new Set(components.map((each) => each.instance));
+  const { children, isNested } = nested(
+    components.map((each) => ({
+      id: each.instance,
+      ...size(each),
+      layoutOptions: { "elk.portConstraints": "FIXED_POS" },
+      ports: ends(each),
+      group: groupOf(each, by),
+    })),
+  );
   const graph: ElkNode = {
     id: "system",
     layoutOptions: {
@@ -199,14 +248,9 @@ async function proportioned(components: readonly Component[], connections: reado
       "elk.aspectRatio": String(aspect),
       "elk.spacing.nodeNode": "24",
       "elk.layered.spacing.nodeNodeBetweenLayers": "30",
-      "elk.layered.wrapping.strategy": "MULTI_EDGE",
+      ...(isNested ? { "elk.hierarchyHandling": "INCLUDE_CHILDREN" } : { "elk.layered.wrapping.strategy": "MULTI_EDGE" }),
     },
-    children: components.map((each) => ({
-      id: each.instance,
-      ...size(each),
-      layoutOptions: { "elk.portConstraints": "FIXED_POS" },
-      ports: ends(each),
-    })),
+    children,
     edges: connections
       .filter((each) => known.has(each.source.instance) && known.has(each.target.instance))
       .map((each) => ({
@@ -220,9 +264,15 @@ async function proportioned(components: readonly Component[], connections: reado
     const points = sections.flatMap((each) => [each.startPoint, ...(each.bendPoints ?? []), each.endPoint]);
     return [id, points] as const;
   });
+  const of = (node: ElkNode, x = 0, y = 0): (readonly [string, Point])[] =>
+    (node.children ?? []).flatMap((each) => {
+      const at = { x: x + (each.x ?? 0), y: y + (each.y ?? 0) };
+      return each.children?.length ? of(each, at.x, at.y) : [[each.id, at] as const];
+    });
   return {
-    places: new Map((placed.children ?? []).map((each) => [each.id, { x: each.x ?? 0, y: each.y ?? 0 }])),
-    routes: new Map(corners),
+    places: new Map(of(placed)),
+    // Between groups, corners are relative to the nodes around them: such wires are routed on the page.
+    routes: new Map(isNested ? [] : corners),
     end: { x: placed.width ?? 0, y: placed.height ?? 0 },
   };
 }
@@ -236,11 +286,14 @@ export function around(boxes: readonly (Point & { component: Component })[]): [P
   ];
 }
 
-/** A view of everything within two corners; of a wide one the upper left part, if the text would not remain legible. */
+/** Narrower views show everything at first, however small. */
+const NARROW = 700;
+
+/** A view of everything within two corners; of a wide one the upper left part, if the text would not remain legible. `narrow`: of a page whose buttons are below. */
 export function view([start, end]: [Point, Point], wide: number, high: number, narrow: boolean): Point & { zoom: number; isWhole: boolean } {
   const [across, down] = [end.x - start.x, end.y - start.y];
   const fitting = zoom(across, down, wide, high, narrow);
-  const scale = Math.min(1, Math.max(narrow ? 0 : SMALLEST, fitting));
+  const scale = Math.min(1, Math.max(narrow || wide < NARROW ? 0 : SMALLEST, fitting));
   return {
     isWhole: scale <= fitting,
     x: Math.max(narrow ? MARGIN / 2 : LEFT, (wide - across * scale) / 2) - start.x * scale,

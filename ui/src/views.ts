@@ -71,6 +71,9 @@ export function written(node: Node | Tree): string {
   return node.tabs.map(({ id }) => (id === shown && node.tabs.length > 1 ? `${id}*` : id)).join("+") + share;
 }
 
+/** Whether a view is seen in panes of this text. */
+export const isSeen = (text: string, view: View): boolean => new RegExp(`(^|[(,/])${view}(?![A-Za-z+])|${view}\\*`).test(text);
+
 /** A tree of a text; undefined if it is none. Views that are named twice, or unknown, are left out. */
 export function read(text: string): Tree | undefined {
   const seen = new Set<View>();

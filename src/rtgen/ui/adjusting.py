@@ -69,7 +69,11 @@ def _chosen(name: str, words: Iterable[str], default: str) -> ui.Parameter:
 
 def _number(name: str, default: str, constraint: str, unit: str = "") -> ui.Parameter:
     return ui.Parameter(
-        name=name, type="double", default_value=default, constraint=constraint, unit=unit
+        name=name,
+        type="double",
+        default_value=default,
+        constraint=constraint,
+        unit=unit,
     )
 
 

@@ -85,9 +85,9 @@ class Commands:
         self._handlers: dict[CommandKind, Callable[[Any], str | None]] = {
             kinds.COMMAND_CONNECT: self._connect,
             kinds.COMMAND_CUT: self._cut,
-            kinds.COMMAND_ADJUST: lambda command: (
-                adjust(session, command, self._adjusted)[0]
-            ),
+            kinds.COMMAND_ADJUST: lambda command: adjust(
+                session, command, self._adjusted
+            )[0],
             kinds.COMMAND_ACTIVATE: partial(self._request, "activate"),
             kinds.COMMAND_DEACTIVATE: partial(self._request, "deactivate"),
             kinds.COMMAND_RESET: partial(self._request, "reset"),

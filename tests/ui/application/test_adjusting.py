@@ -1,4 +1,4 @@
-"""Properties of connections that pages edit: judged, shown as a change, carried out, undone, saved."""
+"""Properties of connections that pages edit: judged, shown first, carried out, undone, saved."""
 
 from __future__ import annotations
 
@@ -48,7 +48,9 @@ def changed(before: str, after: str) -> list[tuple[str, str]]:
     old, new = before.splitlines(), after.splitlines()
     return [
         ("\n".join(old[a:b]), "\n".join(new[c:d]))
-        for kind, a, b, c, d in SequenceMatcher(None, old, new, autojunk=False).get_opcodes()
+        for kind, a, b, c, d in SequenceMatcher(
+            None, old, new, autojunk=False
+        ).get_opcodes()
         if kind != "equal"
     ]
 
@@ -57,7 +59,9 @@ def first(bench: Bench) -> str:
     return bench.session.system.connectors[0].name
 
 
-def ask(page: Page, name: str, stated: dict[str, str], *, carried_out: bool) -> ui.Result:
+def ask(
+    page: Page, name: str, stated: dict[str, str], *, carried_out: bool
+) -> ui.Result:
     return page.ask("adjusted", ui.Adjust(name, values(**stated), carried_out))
 
 
@@ -80,8 +84,21 @@ def test_a_change_is_shown_before_it_is_made(bench: Bench, folder: Path) -> None
         ({LENGTH: "3"}, 1),
         ({LENGTH: ""}, 1),
         ({DATAFLOW: "pull"}, 1),
-        ({DATAFLOW: "pull", LENGTH: "16", "dataport.inport.buffer.write.full_policy": "block"}, 2),
-        ({"dataport.publisher.skip_count": "2", "dataport.publisher.push_policy": "skip"}, 1),
+        (
+            {
+                DATAFLOW: "pull",
+                LENGTH: "16",
+                "dataport.inport.buffer.write.full_policy": "block",
+            },
+            2,
+        ),
+        (
+            {
+                "dataport.publisher.skip_count": "2",
+                "dataport.publisher.push_policy": "skip",
+            },
+            1,
+        ),
     ],
 )
 def test_a_change_is_carried_out_undone_and_saved(
@@ -184,6 +201,8 @@ def test_a_page_that_may_only_look_changes_nothing(bench: Bench) -> None:
 def test_each_offered_value_is_one_that_a_connection_can_have() -> None:
     table = stated_data()
     for each in parameters():
-        choices = each.constraint.strip("()").split(",") if "(" in each.constraint else []
+        choices = (
+            each.constraint.strip("()").split(",") if "(" in each.constraint else []
+        )
         for text in (*choices, *([each.default_value] if each.default_value else [])):
             assert violation(table, each.name, text) is None, (each.name, text)

@@ -270,8 +270,14 @@ def page_that_connects(given: Pair, _: pytest.CaptureFixture[str]) -> str:
         if is_wrong:
             assert result.code == "UIS0004"
             assert offer.refused.partition(":")[0] == result.message.partition(":")[0]
-        elif not given.key:
+            return verdict((s, text.partition(":")[0]) for s, text in texts)
+        if not given.key:
             assert not offer.refused
+        name = f"{source.instance}.one_{target.instance}.other"
+        inspected = page.done("adjusted", ui.Adjust(name, [], False))
+        lines = inspected.text.splitlines()
+        for severity, text in texts:
+            assert severity == "error" or any(map(text.startswith, lines))
         return verdict((s, text.partition(":")[0]) for s, text in texts)
     finally:
         bench.close()

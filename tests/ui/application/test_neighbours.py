@@ -329,8 +329,11 @@ def test_they_are_saved_with_the_system_and_restored(
     other = Watcher(names, file="others.xml")
     try:
         other.until(
-            lambda: len(other.components) == 6
-            and other.session.foreign.keys() == {f"{n}.rtc" for n in other.components}
+            lambda: (
+                len(other.components) == 6
+                and other.session.foreign.keys()
+                == {f"{n}.rtc" for n in other.components}
+            )
         )
         assert other.components[follower].where == ui.Location(30.0, 40.0)
         other.done("reset", True)

@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from patience import PATIENCE
-from ui_bench import by_keyboard, drag, pick, until
+from ui_bench import by_keyboard, drag, pick, select, until
 
 from rtgen import runtime
 from rtgen.ui.session import Session
@@ -89,7 +89,7 @@ def test_all_components_at_once(page: Any, session: Session) -> None:
 
 
 def test_execution_contexts_are_shown(page: Any, session: Session) -> None:
-    page.get_by_role("combobox", name="Component").select_option(ODOMETRY)
+    select(page, ODOMETRY)
     panel = page.get_by_role("complementary")
     panel.get_by_text(re.compile(r"100 Hz periodic, \d+ ticks, 0 overruns")).wait_for()
 
@@ -236,7 +236,7 @@ def test_views_are_changed_by_arrow_keys(page: Any) -> None:
 
 
 def test_values_and_configuration(page: Any, session: Session) -> None:
-    page.get_by_role("combobox", name="Component").select_option("PathFollower0")
+    select(page, "PathFollower0")
     page.get_by_role("img", name="Values over time").first.wait_for()
     page.get_by_role("tab", name="Configuration").focus()
     page.keyboard.press("Enter")

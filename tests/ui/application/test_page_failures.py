@@ -8,7 +8,16 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from ui_bench import GOAL, QUIET, by_both_hands, choose, open_menu, opened, until
+from ui_bench import (
+    GOAL,
+    QUIET,
+    by_both_hands,
+    choose,
+    open_menu,
+    opened,
+    select,
+    until,
+)
 
 from rtgen import runtime
 from rtgen.compiler.model import System
@@ -82,7 +91,7 @@ def test_one_that_fails_is_reset(
     page: Any, session: Session, press: Callable[[Any], None]
 ) -> None:
     component: Any = session.system.component("Fragile0")
-    page.get_by_role("combobox", name="Component").select_option("Fragile0")
+    select(page, "Fragile0")
     page.get_by_role("tab", name="Timeline").click()
     component.fails = True
     box = state_is(page, session, "ERROR")
@@ -107,7 +116,7 @@ def test_one_that_fails_is_reset(
 
 def test_overruns_are_counted(page: Any, session: Session) -> None:
     component: Any = session.system.component("Fragile0")
-    page.get_by_role("combobox", name="Component").select_option("Fragile0")
+    select(page, "Fragile0")
     page.get_by_role("tab", name="Timeline").click()
 
     def overruns() -> int:

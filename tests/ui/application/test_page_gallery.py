@@ -16,7 +16,7 @@ from typing import Any
 
 import pytest
 from PIL import Image
-from ui_bench import QUIET, ROOT, opened, until
+from ui_bench import QUIET, ROOT, opened, select, until
 
 from rtgen.runtime import SimulatedClock
 from rtgen.ui.project_systems import CommandProject
@@ -100,7 +100,7 @@ def show(page: Any, session: Session, look: Look) -> None:
 
 def picture(page: Any, session: Session, look: Look) -> None:
     """Write the picture of a system, at its time."""
-    page.get_by_role("combobox", name="Component").select_option(look.component)
+    select(page, look.component)
     page.get_by_role("tab", name=look.tab).click()
     page.get_by_label("Go to time in seconds").fill(str(look.time))
     page.get_by_role("button", name="Go", exact=True).click()

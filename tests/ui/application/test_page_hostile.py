@@ -19,6 +19,7 @@ from ui_bench import (
     by_keyboard,
     choose,
     opened,
+    select,
     serving,
     until,
 )
@@ -65,7 +66,7 @@ def test_hostile_texts_are_shown_and_do_nothing(page: Any, session: Session) -> 
     scripts = page.locator("script").count()
     for name in (IMAGE, SCRIPT):
         page.locator(".react-flow__node").get_by_text(name, exact=True).wait_for()
-        page.get_by_role("combobox", name="Component").select_option(name)
+        select(page, name)
         for tab in page.get_by_role("tab").all():
             tab.click()
         button = page.get_by_role("button", name=f"Deactivate {name}", exact=True)
@@ -144,7 +145,7 @@ def visit(page: Any, tab: str, i: int) -> None:
 def test_each_text_is_text_in_each_view(shown_texts: Any, i: int) -> None:
     page, text = shown_texts, TEXTS[i]
     instance = component(i, text).instance
-    page.get_by_role("combobox", name="Component", exact=True).select_option(instance)
+    select(page, instance)
     for tab in page.get_by_role("tab").all_inner_texts():
         visit(page, tab, i)
         assert text in page.locator(".panel").evaluate(WORDS), tab

@@ -7,7 +7,7 @@ from typing import Any
 
 import pytest
 from page_flaws import flaws
-from ui_bench import QUIET, ROOT, by_keyboard, opened, pick, until
+from ui_bench import QUIET, ROOT, by_keyboard, opened, pick, select, until
 
 from rtgen.runtime import SimulatedClock
 from rtgen.ui.project_systems import CommandProject
@@ -79,7 +79,7 @@ def test_views_can_be_read_and_reached(
     page.get_by_label("Go to time in seconds").fill("2")
     page.get_by_role("button", name="Go", exact=True).click()
     until(page, lambda: session.now >= 2)
-    page.get_by_role("combobox", name="Component").select_option(component)
+    select(page, component)
     for tab in VIEWS[file, component]:
         page.get_by_role("tab", name=tab).click()
         page.get_by_role("tabpanel", name=tab).wait_for()
@@ -131,7 +131,7 @@ def test_swatches_and_curves_have_the_same_colours(
     page.get_by_label("Go to time in seconds").fill("6")
     page.get_by_role("button", name="Go", exact=True).click()
     until(page, lambda: session.now >= 6)
-    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    select(page, "Odometry0")
     page.get_by_role("tab", name="Values").click()
     pose = page.get_by_role("region", name="Odometry0.OdometryPosition")
     for colours in ("light", "dark"):
@@ -149,7 +149,7 @@ def test_plots_follow_the_width_of_their_panel(any_look: Any, session: Session) 
     until(page, lambda: session.file == RH3)
     page.get_by_label("Go to time in seconds").fill("2")
     page.get_by_role("button", name="Go", exact=True).click()
-    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    select(page, "Odometry0")
     page.get_by_role("tab", name="Values").click()
     pose = page.get_by_role("region", name="Odometry0.OdometryPosition")
     plot = pose.get_by_role("img", name="Values over time")

@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ui_bench import WIDE, by_both_hands, until
+from ui_bench import WIDE, by_both_hands, select, until
 
 from rtgen.ui.session import Session
 
@@ -33,7 +33,7 @@ def pose(page: Any, session: Session) -> Any:
     if session.time().playing:
         page.get_by_role("button", name="Pause").click()
         page.get_by_role("button", name="Play").wait_for()
-    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    select(page, "Odometry0")
     page.get_by_role("tab", name="Values").click()
     region = page.get_by_role("region", name=POSE)
     plot = region.get_by_role("img", name="Values over time")

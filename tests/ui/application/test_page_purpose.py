@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ui_bench import QUIET, by_both_hands, until
+from ui_bench import QUIET, by_both_hands, select, until
 
 from rtgen.cli import run
 from rtgen.runtime import SimulatedClock
@@ -69,7 +69,7 @@ def test_a_port_of_another_unit_is_joined_with_a_reason(
             for link in session.whole().connections
         ]
 
-    page.get_by_role("combobox", name="Component").select_option("Oven0")
+    select(page, "Oven0")
     page.get_by_role("tab", name="Connections").click()
     page.get_by_label("Chosen port").select_option("")
     page.get_by_label("Chosen port").select_option("temperature")

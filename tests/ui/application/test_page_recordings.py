@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterator
 from typing import Any
 
 import pytest
-from ui_bench import GOAL, QUIET, by_both_hands, by_mouse, opened, until
+from ui_bench import GOAL, QUIET, by_both_hands, by_mouse, opened, select, until
 
 from rtgen.cli import run
 from rtgen.ui.project_systems import CommandProject
@@ -88,7 +88,7 @@ def test_one_is_played_and_scrubbed(
 def test_two_are_beside_each_other(
     page: Any, session: Recorded, press: Callable[[Any], None]
 ) -> None:
-    page.get_by_role("combobox", name="Component").select_option("PathFollower0")
+    select(page, "PathFollower0")
     press(page.get_by_role("tab", name="Values"))
     slide(page, 1, press)
     page.get_by_text("beside: ACTIVE").wait_for()

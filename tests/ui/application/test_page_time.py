@@ -6,7 +6,7 @@ import re
 from typing import Any
 
 import pytest
-from ui_bench import until
+from ui_bench import select, until
 
 from rtgen.ui.session import Session
 
@@ -19,7 +19,7 @@ def shown(page: Any) -> float:
 
 
 def test_everything_follows_the_slider(page: Any, session: Session) -> None:
-    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    select(page, "Odometry0")
     values = page.get_by_role("region", name="Odometry0.OdometryPosition")
     values.get_by_role("table").last.wait_for()
     state = page.locator(".panel .state")
@@ -67,7 +67,7 @@ def test_everything_follows_the_slider(page: Any, session: Session) -> None:
 
 
 def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
-    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    select(page, "Odometry0")
     page.get_by_role("tab", name="Values").click()
     page.get_by_role("button", name="Keep beside").press("Enter")
     until(page, lambda: session.keeps)
@@ -85,7 +85,7 @@ def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
 
 
 def test_plots_say_what_is_left_out(page: Any, session: Session) -> None:
-    page.get_by_role("combobox", name="Component").select_option("PathFollower0")
+    select(page, "PathFollower0")
     page.get_by_role("tab", name="Values").click()
     page.get_by_label("Plots show").select_option("the last 5 s")
     values = page.get_by_role("region", name="PathFollower0.velocity")

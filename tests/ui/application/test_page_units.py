@@ -5,12 +5,13 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from ui_bench import select
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 
 
 def test_each_number_has_the_unit_of_its_member(page: Any) -> None:
-    page.get_by_role("combobox", name="Component").select_option("Navigation0")
+    select(page, "Navigation0")
     page.get_by_role("tab", name="Values").click()
     path = page.get_by_role("region", name="Navigation0.path")
     plots = path.get_by_role("img", name="Values over time")
@@ -26,7 +27,7 @@ def test_each_number_has_the_unit_of_its_member(page: Any) -> None:
 
 def test_each_unit_has_an_axis(page: Any) -> None:
     """There are two axes at most in a picture; curves of one unit share theirs."""
-    page.get_by_role("combobox", name="Component").select_option("Odometry0")
+    select(page, "Odometry0")
     page.get_by_role("tab", name="Values").click()
     pose = page.get_by_role("region", name="Odometry0.OdometryPosition")
     plot = pose.get_by_role("img", name="Values over time")

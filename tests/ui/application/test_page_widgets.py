@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from patience import PATIENCE
-from ui_bench import GOAL, QUIET, by_keyboard, by_mouse, pick, until
+from ui_bench import GOAL, QUIET, by_keyboard, by_mouse, pick, select, until
 
 from rtgen import runtime
 from rtgen.compiler.model import System
@@ -86,7 +86,7 @@ def session(look: object) -> Session:
 @pytest.fixture
 def settings(page: Any, session: Session) -> Callable[[], Any]:
     """Show the component's parameters; return a function that reads them."""
-    page.get_by_role("combobox", name="Component").select_option("Shown0")
+    select(page, "Shown0")
     page.get_by_role("tab", name="Configuration").click()
     component: Any = session.system.component("Shown0")
     return lambda: component.config

@@ -9,7 +9,7 @@ from typing import Any
 
 import pytest
 from test_looking_back import PORT, Page
-from ui_bench import GOAL, QUIET, ROOT, opened, serving, until
+from ui_bench import GOAL, QUIET, ROOT, opened, select, serving, until
 from websockets.sync.client import connect
 
 from rtgen.cli import run
@@ -180,7 +180,7 @@ def test_of_a_long_recording_the_end_is_kept(files: list[str]) -> None:
 @pytest.mark.peer
 def test_the_page_overlays_both(browser: Any, recorded: Server) -> None:
     with opened(browser, recorded.address(full=True)) as page:
-        page.get_by_role("combobox", name="Component").select_option("Odometry0")
+        select(page, "Odometry0")
         values = page.get_by_role("region", name=PORT)
         values.get_by_role("columnheader", name="beside", exact=True).wait_for()
         assert values.get_by_text("data.position.x (beside)").count() == 1

@@ -221,6 +221,12 @@ def pick(chooser: Any, name: str, press: Callable[[Any], None]) -> None:
     page.keyboard.press("Enter")
 
 
+def select(page: Any, instance: str, view: str = "Values") -> None:
+    """Select a component in one of its views; none: the overview."""
+    page.get_by_role("tab", name=view, exact=True).click()
+    page.get_by_role("combobox", name="Component", exact=True).select_option(instance)
+
+
 def until(page: Any, condition: Callable[[], bool], patience: float = PATIENCE) -> None:
     """Wait for a condition behind the page; its events are handled meanwhile."""
     end = time.monotonic() + patience

@@ -178,6 +178,7 @@ class Profile:
                 return each.get("value", RTS_EXT)
         return ""
 
+
 Change: TypeAlias = Callable[[Profile], None]
 """A change of a profile. Raises LookupError if the profile lacks what is changed."""
 
