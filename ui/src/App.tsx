@@ -53,9 +53,11 @@ export function App() {
   const [renaming, rename] = useState<string>();
   const handle = useRef<WorkspaceImperativeHandle<View>>(null);
   const arranger = useMemo(() => new Arranger(handle), []);
+  const latest = useRef(selected);
   const select = useCallback((instance: string) => {
     choose(instance);
-    choosePort("");
+    if (instance !== latest.current) choosePort("");
+    latest.current = instance;
     state("component", instance);
   }, []);
   const open = useCallback(

@@ -519,6 +519,8 @@ export const Wiring = memo(function Wiring(props: {
       }}
       onKeyDown={(e) => {
         const target = (e.target as HTMLElement).closest<HTMLElement>(".react-flow__node, .react-flow__edge");
+        // One that is selected already tells of no change.
+        if (e.key === "Enter" && target?.matches(".react-flow__edge:not(.planned)")) inspect({ kind: "wire", name: nameOf(target.dataset["id"] ?? "") });
         if (target && full && (e.key === "ContextMenu" || (e.key === "F10" && e.shiftKey))) {
           e.preventDefault();
           const box = target.getBoundingClientRect();
@@ -578,6 +580,7 @@ export const Wiring = memo(function Wiring(props: {
             return !(refused(drawn.target, drawn.targetHandle) || refused(drawn.source, drawn.sourceHandle));
           }}
           onConnect={(drawn) => void connect(drawn)}
+          onEdgeClick={(_, { id, selectable }) => selectable !== false && inspect({ kind: "wire", name: nameOf(id) })}
           onNodeClick={(e) => (e.target as HTMLElement).closest(".port span, .bus-node") || inspect(undefined)}
           onNodeDragStop={(_, node) => void place(node.id, node.position)}
           onSelectionChange={onSelectionChange}

@@ -21,6 +21,7 @@ from rtgen.facts.topic_properties import TRANSPORTS
 from rtgen.runtime.ports import connector_properties
 from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.ui.changes import ends_of
+from rtgen.ui.description import properties_of
 from rtgen.ui.documents.document import DocumentError
 from rtgen.ui.errors import FILE, IMPOSSIBLE, CommandError
 from rtgen.ui.fitting import judged, text_of
@@ -95,13 +96,14 @@ def adjust(
             "cut it, and connect the ports again",
         )
     connector = session.system.connector(name)
-    if not isinstance(connector, DataConnector):
-        raise CommandError(IMPOSSIBLE, f"{name} connects service ports")
-    before = dict(connector.properties)
+    before = dict(properties_of(connector))
     stated = {each.name: each.text.strip() for each in command.properties}
     merged = before | stated
     after = {key: text for key, text in merged.items() if text or key not in stated}
-    connector_properties.parse(after)
+    if isinstance(connector, DataConnector):
+        connector_properties.parse(after)
+    elif stated:
+        raise CommandError(IMPOSSIBLE, f"{name} connects service ports")
     ends = ends_of(connector)
     source, target = (ui.PortAddress(instance=i, port=p) for i, p in ends)
     findings = judged(session, source, target, after)

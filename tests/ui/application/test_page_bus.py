@@ -48,6 +48,9 @@ def test_the_bus_is_a_line_below_the_boxes(bus: Any, session: Session) -> None:
     assert "FrontLeftWheel0, FrontLeftDrive0" in row.inner_text()
     bus.get_by_role("tab", name="Values").click()
     bus.get_by_role("button", name="127 manager").press("Enter")
+    node = bus.get_by_role("region", name="Node", exact=True)
+    node.get_by_role("row", name="NMT state operational").wait_for()
+    node.get_by_role("button", name="Frames and objects").press("Enter")
     bus.get_by_role("table", name="Nodes").wait_for()
 
 

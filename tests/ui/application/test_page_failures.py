@@ -97,6 +97,7 @@ def test_one_that_fails_is_reset(
     box = state_is(page, session, "ERROR")
     lines = page.locator(".panel").get_by_role("listitem")
     lines.filter(has_text=re.compile(r"Fragile0 ERROR: \S")).first.wait_for()
+    page.get_by_role("tab", name="Values").click()
     page.locator(".panel .reason").wait_for()
     component.fails = False
     open_menu(box, press)
@@ -117,7 +118,6 @@ def test_one_that_fails_is_reset(
 def test_overruns_are_counted(page: Any, session: Session) -> None:
     component: Any = session.system.component("Fragile0")
     select(page, "Fragile0")
-    page.get_by_role("tab", name="Timeline").click()
 
     def overruns() -> int:
         return session.system.statistics("Fragile0").overruns
@@ -136,5 +136,6 @@ def test_overruns_are_counted(page: Any, session: Session) -> None:
             and f", {overruns()} overruns, 0 lost" in panel.inner_text()
         ),
     )
+    page.get_by_role("tab", name="Timeline").click()
     lines = page.locator(".panel").get_by_role("listitem")
     lines.filter(has_text=re.compile(r"Fragile0 .*\d more")).first.wait_for()

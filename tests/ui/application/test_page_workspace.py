@@ -127,11 +127,11 @@ def test_panes_are_resized_and_remembered(panes: Any) -> None:
     panes.keyboard.press("ArrowLeft")
     until(panes, lambda: wiring.bounding_box()["width"] < before - 10)
     between = wiring.bounding_box()["width"]
-    grip.hover()
     x, y = panes.evaluate("""() => {
             const box = document.querySelector("[role=separator]").getBoundingClientRect();
             return [box.x, box.y + box.height / 2];
         }""")
+    panes.mouse.move(x, y)
     panes.mouse.down()
     panes.mouse.move(x - 150, y, steps=4)
     panes.mouse.up()
@@ -191,4 +191,3 @@ def test_the_console_says_what_was_asked_and_refused(panes: Any) -> None:
     panes.get_by_role("searchbox", name="Filter of the console").fill("between")
     until(panes, lambda: lines.count() == 1)
     panes.get_by_role("button", name="Activate all", exact=True).click()
-    panes.get_by_role("button", name="Dismiss notice").click()
