@@ -56,6 +56,7 @@ def component_now(session: Session, instance: str) -> SystemComponent:
         before,
         id=before.id
         or f"RTC:{profile.vendor}:{profile.category}:{profile.type_name}:{profile.version}",
+        kind=profile.kind_of_context.name,
         active_set=sets.active,
         configuration=tuple(
             (set_id, tuple(sets.texts(set_id).items())) for set_id in sets.ids

@@ -126,6 +126,18 @@ def test_a_system_connects_ports_by_their_types(
     assert "LeftArm1.state_" not in Path("systems/bench.xml").read_text("utf-8")
 
 
+def test_a_system_has_the_kinds_of_its_components(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    started(monkeypatch)
+    for name, activity in (("Gate", "EVENTDRIVEN"), ("Clock", "PERIODIC")):
+        text = f'@rtc(activity="{activity}", rate=10.0) component {name} {{}};\n'
+        Path(f"definitions/{name}.idl").write_text(text, encoding="utf-8")
+    assert run(["new", "system", "gated", "Gate", "Clock"]) == 0
+    text = Path("systems/gated.xml").read_text(encoding="utf-8")
+    assert re.findall(r'rts:kind="(\w+)"', text) == ["EVENT_DRIVEN", "PERIODIC"]
+
+
 UNITS = """\
 #include "BasicDataType.idl"
 @rtc(category="Units", vendor="me")

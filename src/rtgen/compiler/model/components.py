@@ -111,6 +111,11 @@ class Component(Declaration, frozen=True, kw_only=True):
         return tuple(t for text in self.triggers.split(",") if (t := text.strip()))
 
     @property
+    def context_kind(self) -> str:
+        """The kind of its own execution context (OMG RTC 1.0, `ExecutionKind`)."""
+        return "EVENT_DRIVEN" if self.activity == "EVENTDRIVEN" else "PERIODIC"
+
+    @property
     def registered_activity(self) -> str:
         """The text that OpenRTM registers: tools put the component type there."""
         return self.activity_type or self.component_type
@@ -160,10 +165,11 @@ class SystemComponent(Unspelled, frozen=True, eq=False, kw_only=True):
 
     Tools store OpenRTM's `__widget__`, `__constraints__` and `__type__` like sets of parameters.
     `conf` is the text of the component's `.conf` files beside the system; `places` has the places
-    of its parameters, by set id and parameter.
+    of its parameters, by set id and parameter. `kind` is that of its execution context, which a
+    file only repeats.
     """
 
-    spelling = frozenset({"places"})
+    spelling = frozenset({"places", "kind"})
 
     instance: str
     type: str
@@ -177,6 +183,7 @@ class SystemComponent(Unspelled, frozen=True, eq=False, kw_only=True):
     required: bool = True
     conf: str = ""
     places: Mapping[tuple[str, str], Span] = msgspec.field(default_factory=dict)
+    kind: str = "PERIODIC"
 
     @property
     def parameter_sets(self) -> tuple[tuple[str, tuple[tuple[str, str], ...]], ...]:

@@ -337,6 +337,7 @@ class _Writer:
                 i.component,
                 id=i.plan.component.profile_id,
                 rate=i.rate,
+                kind=i.plan.component.context_kind,
                 path_uri=(
                     i.component.path_uri
                     if name in self._foreign

@@ -76,6 +76,7 @@ def system_of(
                 path_uri=f"localhost/{instance}.rtc",
                 span=_NO_SPAN,
                 rate=component.rate,
+                kind=component.context_kind,
             )
             for instance, component in placed
         ),

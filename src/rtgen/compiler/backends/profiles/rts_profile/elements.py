@@ -144,7 +144,7 @@ def component_element(
             ),
             _element(
                 "ExecutionContexts",
-                {"id": "0", "kind": "PERIODIC", **rate},
+                {"id": "0", "kind": c.kind, **rate},
                 (),
                 "execution_context_ext",
             ),
