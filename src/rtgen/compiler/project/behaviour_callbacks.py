@@ -11,11 +11,7 @@ from rtgen.compiler.project.rules import MISSPELT_CALLBACK, NO_ANSWER, NOT_PYTHO
 from rtgen.compiler.typemap.components.actions import ACTIONS
 
 _CALLBACKS = frozenset(action.method for action in ACTIONS)
-_MISSPELT = re.compile(
-    rf"^ +def (?!(?:{'|'.join(sorted(_CALLBACKS))})\b)[oO]n\w+\(", re.M
-)
-"""A method that begins as callbacks do, and is none."""
-_LIKE_A_CALLBACK = re.compile(r"^ +def [oO]n\w+\(", re.M)
+_LIKE_A_CALLBACK = re.compile(r"^ +def ([oO]n\w+)\(", re.M)
 _ENDS = frozenset({"exit", "_exit", "abort", "assert_never"})
 """Functions that do not return."""
 
@@ -42,9 +38,14 @@ def findings(
             yield from _of_method(method, file, text)
 
 
-def misspelt(package: str, file: str, text: str) -> Iterator[Diagnostic]:
-    """Yield the findings about misspelt callbacks alone, of a module that Python can read."""
-    if _MISSPELT.search(text):
+def misspelt(packages: Iterable[str], file: str, text: str) -> Iterator[Diagnostic]:
+    """Yield the findings about misspelt callbacks alone, of a module that Python can read.
+
+    `packages` may have the bases of its behaviours.
+    """
+    if _CALLBACKS.issuperset(_LIKE_A_CALLBACK.findall(text)):
+        return
+    for package in packages:
         for each in findings(package, file, text):
             if each.code == MISSPELT_CALLBACK.code:
                 yield each

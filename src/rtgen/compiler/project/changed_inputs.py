@@ -65,6 +65,7 @@ def _changed(project: Project, before: Mapping[str, str]) -> Iterator[str]:
         except OSError:
             if not _lies_elsewhere(project, key):
                 yield key
-    if before:
-        keys = (key_of(path, project.root) for path in project.sources)
-        yield from (key for key in keys if key not in before)
+    for path in project.sources if before else ():
+        shown = path.as_posix().removeprefix(f"{project.root.as_posix()}/")
+        if shown not in before and (key := key_of(path, project.root)) not in before:
+            yield key

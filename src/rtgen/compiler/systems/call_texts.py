@@ -14,16 +14,13 @@ Value: TypeAlias = Any
 _MAX_LENGTH: Final = 1 << 16
 _MAX_DEPTH: Final = 32
 _MAX_DIGITS: Final = 400
-_TOKEN: Final = re.compile(
-    r"""\s*(?:
-        (?P<number>[-+]?(?:0[xX][0-9a-fA-F]+|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\w.]))
-      | (?P<word>[-+]?[^\W\d]\w*(?:::\w+)*)
-      | (?P<text>"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')
-      | (?P<sign>[\[\]{}(),=:])
-    )""",
-    re.VERBOSE,
-)
-_TARGET: Final = re.compile(r"\s*([^.()\s]+)\.([^()\s]+)\.([^.():\s]+)\s*(\(|$)")
+_TOKEN: Final = r"""\s*(?:
+    (?P<number>[-+]?(?:0[xX][0-9a-fA-F]+|(?:\d+\.?\d*|\.\d+)(?:[eE][-+]?\d+)?)(?![\w.]))
+  | (?P<word>[-+]?[^\W\d]\w*(?:::\w+)*)
+  | (?P<text>"(?:[^"\\]|\\.)*"|'(?:[^'\\]|\\.)*')
+  | (?P<sign>[\[\]{}(),=:])
+)"""
+_TARGET: Final = r"\s*([^.()\s]+)\.([^()\s]+)\.([^.():\s]+)\s*(\(|$)"
 _WORDS: Final = {
     "true": True,
     "false": False,
@@ -56,7 +53,7 @@ def parse(text: str) -> CallText:
     """Parse a call, whose parentheses may be missing. Raises CallTextError."""
     if len(text) > _MAX_LENGTH:
         raise CallTextError(f"a call of {len(text)} characters")
-    match = _TARGET.match(text)
+    match = re.match(_TARGET, text)
     if match is None:
         raise CallTextError(f"{text[:80]!r} is not INSTANCE.PORT.OPERATION(arguments)")
     instance, port, operation, opening = match.groups()
@@ -84,6 +81,7 @@ class _Tokens:
     """The tokens of a text, with the values that they form."""
 
     def __init__(self, text: str, start: int) -> None:
+        self._pattern = re.compile(_TOKEN, re.VERBOSE)
         self._text = text.rstrip()
         self._place = start
         self._depth = 0
@@ -92,7 +90,7 @@ class _Tokens:
         """Return the next token; None at the end."""
         if self._place >= len(self._text):
             return None
-        match = _TOKEN.match(self._text, self._place)
+        match = self._pattern.match(self._text, self._place)
         if match is None:
             raise self._wrong('a value, such as 1.5, ON, "text", [1, 2], {x = 1}')
         self._place = match.end()

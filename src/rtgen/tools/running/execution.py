@@ -30,7 +30,6 @@ from rtgen.tools.running.interrupts import Ending, ending
 from rtgen.tools.running.plan import Outputs, Plan
 from rtgen.tools.running.progress import Progress, progress
 from rtgen.tools.running.recording_options import tell_missing
-from rtgen.tools.running.ros2 import join
 from rtgen.tools.running.ros2_time import RosTime
 from rtgen.tools.running.run_view import View
 from rtgen.tools.running.summary import Outcome, summary
@@ -152,18 +151,22 @@ class _Run:
             running.add_listener(self._logging)
         bag = options.recording.bag(files, running) if options.ros2 else None
         self._recorder = options.recording.begin(files, running, bag)
-        name = plan.profile.name
-        rest = join(
-            options.ros2,
-            files,
-            running,
-            plan.project,
-            name,
-            console,
-            RosTime.of(options),
-            bag=bag,
-            boards=plan.boards,
-        )
+        name, clock = plan.profile.name, RosTime.of(options)
+        rest: Callable[[float], None] = time.sleep
+        if options.ros2 is not None:
+            from rtgen.tools.running.ros2 import join
+
+            rest = join(
+                options.ros2,
+                files,
+                running,
+                plan.project,
+                name,
+                console,
+                clock,
+                bag=bag,
+                boards=plan.boards,
+            )
         if bag is not None:
             running.at(0, bag.begin)
         options.live.begin(files, running, console, name, rest)

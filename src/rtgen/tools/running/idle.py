@@ -36,5 +36,5 @@ def findings(system: runtime.System) -> Iterator[Diagnostic]:
                 f"{', '.join(names)} {verb} nothing: the behaviour is a skeleton",
                 hint="write its callbacks; of a renamed component rtgen check finds the behaviour",
             )
-        for package in {base.__module__.partition(".")[0] for base in class_.__mro__}:
-            yield from behaviour_callbacks.misspelt(package, file, text)
+        packages = {base.__module__.partition(".")[0] for base in class_.__mro__}
+        yield from behaviour_callbacks.misspelt(packages, file, text)

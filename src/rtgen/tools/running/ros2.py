@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import os
-import time
 from collections.abc import Callable, Collection, Iterator, Mapping
 from contextlib import ExitStack
 from typing import TYPE_CHECKING, Any
@@ -41,7 +40,7 @@ _LAST_DOMAIN = 232
 
 
 def join(
-    kind: str | None,
+    kind: str,
     files: ExitStack,
     running: runtime.System,
     project: Project,
@@ -57,8 +56,6 @@ def join(
     `bag` records the messages; `boards` are those whose functions are services. Return a function
     that waits, in seconds, for simulated time.
     """
-    if kind is None:
-        return time.sleep
     settings = project.ros2
     from rtgen.runtime.ros2.managed import INTERFACES, ManagedNodes
     from rtgen.runtime.ros2.network import Ros2Error, RosNode
