@@ -28,12 +28,12 @@ def writing_system(
 ) -> tuple[System, list[list[int]], Actor]:
     """Return a writer of `per_tick` samples each ms, and a reader's samples by its ticks.
 
-    The reader comes first in the order of equal instants.
+    The reader comes first in the order of equal instants: it is the first of a cycle of data.
     """
     got: list[list[int]] = []
-    reader = Actor("reader", inputs=("in",))
+    reader = Actor("reader", inputs=("in",), outputs=("back",))
     reader.execute = lambda: got.append(drained(reader.inputs["in"]))
-    writer = Actor("writer", outputs=("out",))
+    writer = Actor("writer", inputs=("back",), outputs=("out",))
     count = iter(range(1000))
 
     def write() -> None:
@@ -43,6 +43,7 @@ def writing_system(
     writer.execute = write
     system = activated(System(), reader, writer, rate_hz=rate_hz)
     system.connect(("writer", "out"), ("reader", "in"), properties, "c")
+    system.connect(("reader", "back"), ("writer", "back"))
     return system, got, writer
 
 

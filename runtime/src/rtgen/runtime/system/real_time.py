@@ -5,7 +5,7 @@ from __future__ import annotations
 import logging
 import sys
 import threading
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from heapq import heappop, heappush
 from typing import Any
 
@@ -18,8 +18,9 @@ from rtgen.runtime.rtc.execution_context import ExecutionContext
 from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.stack_frames import shown
 from rtgen.runtime.system.monitor import Monitor
-from rtgen.runtime.system.runner import Busy, Runner, Task, begin_of
+from rtgen.runtime.system.runner import Busy, Runner
 from rtgen.runtime.system.scheduling import Action
+from rtgen.runtime.system.tasks import Task, begin_of
 from rtgen.runtime.system.watchdog import (
     Call,
     Watchdog,
@@ -183,7 +184,9 @@ class RealTimeScheduler:
             self._changed.notify_all()
 
     def started(self, context: ExecutionContext) -> None:
-        order = self._orders.setdefault(context, len(self._orders))
+        if context not in self._orders:
+            self._added += 1
+            self._orders[context] = self._added
 
         def between() -> None:
             if context.is_running():
@@ -199,7 +202,7 @@ class RealTimeScheduler:
             _name(context),
             context.period,
             context.cycle,
-            order=order,
+            order=self._orders[context],
             between=between,
             overrun=count,
         )
@@ -212,6 +215,17 @@ class RealTimeScheduler:
                     runner.start()
                 else:
                     self._shared.add(task, due)
+
+    @property
+    def orders(self) -> Mapping[ExecutionContext, int]:
+        return self._orders
+
+    def reorder(self, order_of: Mapping[ExecutionContext, int]) -> None:
+        self._orders.update(order_of)
+        with self._moving:
+            for context, task in list(self._tasks.items()):
+                task.order = self._orders[context]
+            self._shared.reorder()
 
     def stopped(self, context: ExecutionContext) -> bool:
         task = self._tasks.pop(context, None)

@@ -11,7 +11,6 @@ import time
 from collections import deque
 from collections.abc import Callable
 from heapq import heapify, heappop, heappush
-from itertools import count
 from typing import Protocol
 
 import msgspec
@@ -19,11 +18,10 @@ import msgspec
 from rtgen.runtime import requests
 from rtgen.runtime.system import watchdog
 from rtgen.runtime.system.scheduling import Action
+from rtgen.runtime.system.tasks import Lane, LongTick, Task, Work, begin_of, nothing
 from rtgen.runtime.timing.clocks import SECOND, RealClock
 from rtgen.runtime.timing.stepping_aside import shared, step_aside
 
-GRID = 1_000_000
-"""The first ticks of tasks are at multiples of this time [ns], so that they share rows."""
 _LONG = 200_000
 """Time from which a tick counts as a long one [ns]."""
 _ASKED_AGAIN = 0.05
@@ -35,106 +33,6 @@ _PATIENCE = 3
 
 MACHINE, ALL = "", "*"
 """Causes of an overrun that are not one task: the machine, and the tasks of a thread together."""
-
-
-class Work:
-    """An action that is called when it is due; `of` is the task that it belongs to."""
-
-    __slots__ = ("action", "is_waiting", "of")
-
-    def __init__(self, action: Action, of: Task) -> None:
-        self.action = action
-        self.of = of
-        self.is_waiting = False
-
-
-class Task:
-    """A periodic action; `order` is its place among those of one instant, `name` that for causes.
-
-    `work` is done after `Runner.wake`, `overrun` with the number of instants without a tick,
-    and their cause: MACHINE, ALL, or the name of the task whose tick took the time.
-    """
-
-    __slots__ = (
-        "action",
-        "ended",
-        "first",
-        "harm",
-        "harmed",
-        "lane",
-        "longest",
-        "name",
-        "of",
-        "order",
-        "overrun",
-        "period",
-        "runner",
-        "work",
-    )
-
-    def __init__(
-        self,
-        name: str,
-        period: int,
-        action: Action,
-        *,
-        order: int = 0,
-        between: Action | None = None,
-        overrun: Callable[[int, str], None] | None = None,
-    ) -> None:
-        self.name = name
-        self.period = period
-        self.action = action
-        self.order = order
-        self.work = Work(between or _nothing, self)
-        self.overrun = overrun
-        self.longest = 0
-        """The longest tick so far [ns]."""
-        self.first = 0
-        """When the first tick is due."""
-        self.harm = self.harmed = 0
-        """Number of its last ticks that kept others from theirs, and the number of the last one."""
-        self.runner: Runner | None = None
-        self.lane: _Lane | None = None
-        self.of = self
-        self.ended = False
-
-    def count(self, overruns: int, cause: str) -> None:
-        """Count instants without a tick."""
-        if self.overrun is not None:
-            self.overrun(overruns, cause)
-
-
-_lane_numbers = count()
-
-
-class _Lane:
-    """Tasks with equal period and phase, in their order; `due` is their next instant."""
-
-    __slots__ = ("due", "number", "period", "tasks")
-
-    def __init__(self, period: int, due: int) -> None:
-        self.period = period
-        self.due = due
-        self.tasks: tuple[Task, ...] = ()
-        self.number = next(_lane_numbers)
-
-    def put(self, task: Task) -> None:
-        self.tasks = tuple(sorted((*self.tasks, task), key=_order))
-        task.lane = self
-
-    def drop(self, task: Task) -> None:
-        self.tasks = tuple(each for each in self.tasks if each is not task)
-        task.lane = None
-
-
-class _LongTick(msgspec.Struct):
-    """A tick that took long, and when it ended [ns since the start]."""
-
-    end: int
-    took: int
-    task: Task
-    is_counted: bool = False
 
 
 class Busy(msgspec.Struct):
@@ -170,9 +68,9 @@ class Runner:
         self._owner = owner
         self._ends_alone = ends_alone
         self._changed = threading.Condition()
-        self._heap: list[tuple[int, int, _Lane]] = []
-        self._phases: dict[tuple[int, int], _Lane] = {}
-        self._rows: dict[tuple[_Lane, ...], tuple[Task, ...]] = {}
+        self._heap: list[tuple[int, int, Lane]] = []
+        self._phases: dict[tuple[int, int], Lane] = {}
+        self._rows: dict[tuple[Lane, ...], tuple[Task, ...]] = {}
         self._tasks: set[Task] = set()
         self._rest: deque[Task] = deque()
         """Tasks that are due at the instant in progress."""
@@ -189,7 +87,7 @@ class Runner:
         """When a tick in progress is abandoned, by the monotonic clock in seconds."""
         self._awake = self._processor = 0
         """When the thread waited last, and the processor time that it had had then [ns]."""
-        self._long: deque[_LongTick] = deque(maxlen=8)
+        self._long: deque[LongTick] = deque(maxlen=8)
         self._is_first = True
         self._is_exception = False
         self._thread = threading.Thread(target=self._run, name=name, daemon=True)
@@ -227,6 +125,13 @@ class Runner:
         if task.runner is not None:
             task.runner.set_period(task, period)
 
+    def reorder(self) -> None:
+        """Call the tasks of one instant in their order, which has changed."""
+        with self._changed:
+            for _, _, lane in self._heap:
+                lane.tasks = tuple(sorted(lane.tasks, key=_order))
+            self._rows.clear()
+
     def wake(self, task: Task) -> None:
         """Call `between` of a task after the tick in progress."""
         with self._changed:
@@ -241,7 +146,7 @@ class Runner:
 
     def remove(self, task: Task) -> bool:
         """Call a task no more; return False if its tick in progress does not end."""
-        task.action, task.ended = _nothing, True
+        task.action, task.ended = nothing, True
         with self._changed:
             is_here = task.runner is self
             if is_here:
@@ -469,7 +374,7 @@ class Runner:
         self._is_first = False
         return row
 
-    def _leave_out(self, late: list[tuple[_Lane, int]], now: int) -> Task | None:
+    def _leave_out(self, late: list[tuple[Lane, int]], now: int) -> Task | None:
         """Count the instants of late lanes; return a task that keeps others from theirs."""
         requests.overruns.report()
         harmful = None
@@ -496,9 +401,7 @@ class Runner:
             self._count(lane, behind, task, MACHINE if waited else task.name)
         return harmful
 
-    def _count(
-        self, lane: _Lane, behind: int, culprit: Task | None, cause: str
-    ) -> None:
+    def _count(self, lane: Lane, behind: int, culprit: Task | None, cause: str) -> None:
         for task in lane.tasks:
             if task is culprit:
                 task.count(behind, task.name)
@@ -515,7 +418,7 @@ class Runner:
     def _note_long(self, called: Task | Work, took: int) -> None:
         task = called.of
         task.longest = max(task.longest, took)
-        self._long.append(_LongTick(self._clock.elapsed(), took, task))
+        self._long.append(LongTick(self._clock.elapsed(), took, task))
         if took > task.period:
             requests.overruns.report()
             task.count(1, task.name)
@@ -528,7 +431,7 @@ class Runner:
         key = task.period, due % task.period
         lane = self._phases.get(key)
         if lane is None or not lane.tasks or lane.due < due:
-            lane = self._phases[key] = _Lane(task.period, due)
+            lane = self._phases[key] = Lane(task.period, due)
             heappush(self._heap, (due, lane.number, lane))
         elif lane.due > due:
             self._at_once.append(task)
@@ -569,17 +472,8 @@ class Runner:
                 self._changed.wait(remaining)
 
 
-def begin_of(period: int, now: int) -> int:
-    """Return the first instant of a task that starts now: now, or shortly before."""
-    return now - now % min(GRID, period)
-
-
 def _order(task: Task) -> int:
     return task.order
 
 
-def _nothing() -> None:
-    return None
-
-
-_NO_WORK = Task("", 1, _nothing).work
+_NO_WORK = Task("", 1, nothing).work

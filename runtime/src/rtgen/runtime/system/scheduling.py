@@ -2,12 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from typing import Any, Protocol
 
 from rtgen.runtime.ports.publisher import Publisher
 from rtgen.runtime.rtc.component import Component
-from rtgen.runtime.rtc.execution_context import Driver
+from rtgen.runtime.rtc.execution_context import Driver, ExecutionContext
 
 Action = Callable[[], None]
 
@@ -29,6 +29,13 @@ class Scheduler(Driver, Protocol):
 
         It must schedule nothing. In real time it is not called: writers are in other threads.
         """
+
+    def reorder(self, order_of: Mapping[ExecutionContext, int]) -> None:
+        """Give contexts other places among those of one instant: those of `orders`."""
+
+    @property
+    def orders(self) -> Mapping[ExecutionContext, int]:
+        """The place of each context that has been started among those of one instant."""
 
     def drive(self, publisher: Publisher[Any], writer: Component) -> Action:
         """Run a publisher of a port of `writer`; return a function that ends it."""

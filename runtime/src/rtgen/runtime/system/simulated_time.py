@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from heapq import heapify, heappop, heappush, heapreplace
 from typing import Any
 
@@ -133,6 +133,19 @@ class SimulatedScheduler:
         now = self._clock.time
         instant = max(now, min(self._resume.pop(context, 0), now + context.period))
         self._schedule(context, instant, since=instant)
+
+    @property
+    def orders(self) -> Mapping[ExecutionContext, int]:
+        return self._orders
+
+    def reorder(self, order_of: Mapping[ExecutionContext, int]) -> None:
+        self._leave_table()
+        self._orders.update(order_of)
+        orders = {id(d.task): self._orders[c] for c, d in self._driven.items()}
+        self._heap[:] = [
+            (due, orders.get(id(task), order), task) for due, order, task in self._heap
+        ]
+        heapify(self._heap)
 
     def stopped(self, context: ExecutionContext) -> bool:
         driven = self._driven.pop(context, None)

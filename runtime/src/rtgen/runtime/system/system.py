@@ -39,6 +39,7 @@ from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.services.transports import ControlTransport, Transport
 from rtgen.runtime.system.closing import Closing
 from rtgen.runtime.system.dependencies import Dependencies
+from rtgen.runtime.system.flow import Flow
 from rtgen.runtime.system.joining import (
     Connector,
     Joining,
@@ -64,8 +65,9 @@ class System(Closable):
 
     In simulated time everything is executed in `run`, in one thread, in order of time; at the same
     time the timeline comes first, then periodic connections, then components in the order in which
-    they were added. In real time they tick from the first `run` on, in one thread, except those
-    that block: they have threads of their own from then on; with `threads` "own" all have.
+    they were added, those of equal rate in the order of the flow of their data. In real time they
+    tick from the first `run` on, in one thread, except those that block: they have threads of their
+    own from then on; with `threads` "own" all have.
 
     Requests (activation and so on) return immediately and are executed at the component's next
     tick. A system is a context manager, which closes it.
@@ -104,6 +106,7 @@ class System(Closable):
             self._participants, self.component, self.clock.guard, transport
         )
         self._dependencies = Dependencies(self._participants, self._connectors)
+        self._flow = Flow(self._participants, self._connectors)
         self._observation = Observation(self.clock.elapsed, self.end_run)
         self._check = CheckValues(check_values)
         self._threads = Threads(threads)
@@ -353,6 +356,7 @@ class System(Closable):
             )
         connector.attach()
         self._connectors[connector.name] = connector
+        self._flow.is_new = True
         self._report_connection(connector, connected=True)
         if isinstance(connector, DataConnector) and connector.publisher is not None:
             # The writer of a connection from another process is not here.
@@ -423,6 +427,7 @@ class System(Closable):
         """
         if until_ns is None and until is None:
             raise ValueError("run needs an end: until_ns, until, or both")
+        self._flow.order(self._scheduler)
         condition = None if until is None else lambda: until(self)
         return self._scheduler.run(until_ns, condition)
 
