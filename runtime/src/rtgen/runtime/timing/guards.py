@@ -3,13 +3,12 @@
 from __future__ import annotations
 
 import threading
+from _thread import RLock
 from collections.abc import Callable
 from types import TracebackType
-from typing import Protocol, TypeVar
+from typing import Protocol
 
 from rtgen.runtime.timing.stepping_aside import step_aside
-
-T = TypeVar("T")
 
 
 class Guard(Protocol):
@@ -33,19 +32,25 @@ class Guard(Protocol):
     def notify_all(self) -> None: ...
 
 
-class ThreadsGuard(threading.Condition):
-    """A guard for several threads. It costs little while none waits."""
+class ThreadsGuard(RLock):  # type: ignore[misc]
+    """A guard for several threads: a lock without a line of Python while none waits."""
 
-    def wait_for(self, predicate: Callable[[], T], timeout: float | None = None) -> T:
-        result = predicate()
-        if result:
-            return result
+    def __init__(self) -> None:
+        self._condition: threading.Condition | None = None
+
+    def wait_for(
+        self, predicate: Callable[[], bool], timeout: float | None = None
+    ) -> bool:
+        if predicate():
+            return True
+        if self._condition is None:
+            self._condition = threading.Condition(self)
         step_aside()
-        return super().wait_for(predicate, timeout)
+        return self._condition.wait_for(predicate, timeout)
 
     def notify_all(self) -> None:
-        if self._waiters:  # type: ignore[attr-defined]
-            super().notify_all()
+        if self._condition is not None:
+            self._condition.notify_all()
 
 
 class SingleThread:
