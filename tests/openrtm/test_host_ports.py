@@ -9,6 +9,7 @@ from typing import Any
 
 import pytest
 from hosting import Relay
+from msgspec.structs import replace
 from openrtm_lab import Lab
 
 from rtgen.runtime import PORT_OK, PortStatus, SampleTypeError
@@ -118,6 +119,23 @@ def test_a_sample_that_is_fetched_does_not_arrive(relay: Relay) -> None:
     two.write(wire(3))
     assert sorted(numbers(port)) == [0, 1, 2, 3]
     assert not arrivals
+
+
+def test_an_event_driven_behaviour_is_executed_when_a_sample_waits(
+    relay: Relay, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    component = type(relay.behaviour)
+    profile = replace(component.profile, activity="EVENTDRIVEN", triggers=("data",))
+    monkeypatch.setattr(component, "profile", profile)
+    out = source(relay)
+    relay.activate()
+    relay.behaviour.calls.clear()
+    assert relay.tick() == []
+    out.write(wire(1))
+    assert relay.tick() == ["on_execute", "on_state_update"]
+    relay.behaviour.data.read()
+    relay.behaviour.calls.clear()
+    assert relay.tick() == []
 
 
 def test_a_writer_is_refused_when_the_buffer_is_full(relay: Relay) -> None:

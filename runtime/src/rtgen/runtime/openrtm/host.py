@@ -21,6 +21,7 @@ from rtgen.runtime.return_codes import (
     INACTIVE_STATE,
     RTC_ERROR,
     RTC_OK,
+    ExecutionKind,
     LifeCycleState,
 )
 from rtgen.runtime.rtc.component import FIRST_FOREIGN_HANDLE, Component
@@ -54,6 +55,8 @@ class Host:
         self._behaviour: Component | None = None
         self._participants: dict[int, Participant] = {}
         self._unapplied = False
+        self._has_executed = True
+        """Whether the tick in progress has executed the behaviour."""
         self._follower: Follower | None = None
         self._consumers: dict[tuple[str, str], Callable[[], Any]] = {}
 
@@ -208,7 +211,7 @@ class Host:
                 return self._codes.RTC_OK
             self._apply()
             if participant.state is not ERROR_STATE:
-                if not participant.carry_out_requests():
+                if not participant.carry_out_requests() and self._is_due():
                     participant.execute()
                 if participant.state is not ERROR_STATE:
                     return self._codes.RTC_OK
@@ -220,8 +223,18 @@ class Host:
         with self._turn(ec_id) as participant:
             if participant is None:
                 return self._codes.RTC_OK
-            participant.update()
+            if self._has_executed:
+                participant.update()
             return self._ended(ec_id, participant)
+
+    def _is_due(self) -> bool:
+        """Return whether to execute the behaviour: an event-driven one needs a sample."""
+        behaviour = self.behaviour
+        kind = behaviour.profile.kind_of_context
+        self._has_executed = kind is not ExecutionKind.EVENT_DRIVEN or any(
+            port.is_new() for port in behaviour._triggers()
+        )
+        return self._has_executed
 
     def on_error(self, ec_id: int) -> Any:
         """`onError`."""

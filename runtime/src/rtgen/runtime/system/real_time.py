@@ -310,7 +310,8 @@ class RealTimeScheduler:
 
     def leave(self, runner: Runner, busy: Busy) -> None:
         """Let another thread go on with the other contexts of a runner."""
-        self._hand_over(runner, busy)
+        if self._hand_over(runner, busy):
+            log.info("%s has a thread of its own: its call waits", busy.task.name)
 
     def take_back(self, task: Task, due: int) -> None:
         """Let a context go on in the thread of the others."""
