@@ -49,6 +49,9 @@ def test_there_and_back(
     assert 'activity="EVENTDRIVEN"' in text
     assert ("triggers=" in text) == bool(literal)
     assert f"triggers={literal}".replace(" ", "") in text or not literal
+    assert run(["generate", "--target", "small", "-q"]) == 0
+    (small,) = (tmp_path / "generated/small").glob("**/components/fusion.py")
+    assert f"_triggers = {literal or '()'}" in small.read_text("utf-8")
     words = ["convert", str(folder / "RTC.xml"), "--to", "idl", "-I", str(SPECS), "-q"]
     assert run(words) == 0
     again = capfd.readouterr().out

@@ -344,3 +344,52 @@ def test_booleans_and_padding() -> None:
     assert Wire(bytearray(b"\x01")).take_boolean() is True
     with pytest.raises(CodecError):
         Wire(bytearray(b"\x02")).take_boolean()
+
+
+def test_samples_execute_event_driven_components_as_on_the_embedded_runtime() -> None:
+    """In any order of `add`, at the instant of the sample; what waited, at the activation."""
+
+    class Part(Component):
+        _triggers = ("in",)
+
+        def __init__(self, name: str, passed: list[tuple[str, int, int]]) -> None:
+            super().__init__(name)
+            self.passed = passed
+            self.input = self.add_in_port("in", Sample)
+            self.aside = self.add_in_port("aside", Sample)
+            self.output = self.add_out_port("out", Sample)
+
+        def on_execute(self, ec_id: int) -> int:
+            sample = self.input.read()
+            self.passed.append((self.instance_name, self.now(), sample.value))
+            self.output.write(sample)
+            return RTC_OK
+
+    class Source(Component):
+        _rate = 100.0
+
+        def __init__(self) -> None:
+            super().__init__("source")
+            self.count = 0
+            self.output = self.add_out_port("out", Sample)
+
+        def on_execute(self, ec_id: int) -> int:
+            for _ in range(2):
+                self.output.write(Sample(self.count))
+                self.count += 1
+            return RTC_OK
+
+    system, passed = System(), []
+    parts, source = [Part(name, passed) for name in "ab"], Source()
+    for component in (parts[1], source, parts[0]):
+        system.add(component, 100.0)
+        system.activate(component)
+    source.output.connect(parts[0].input)
+    source.output.connect(parts[1].aside)
+    parts[0].output.connect(parts[1].input)
+    system.run(20_000_000)
+    assert [(name, value) for name, time, value in passed if time == 10_000_000] == [
+        *(("a", 2), ("b", 2), ("a", 3), ("b", 3))
+    ]
+    assert [name for name, time, _ in passed if time == 0] == [*"abab"]
+    assert system.ticks(parts[1]) == 4

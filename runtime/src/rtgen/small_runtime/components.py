@@ -25,6 +25,8 @@ class Component:
     _type_name = "Component"
     _rate = 1000.0
     _buffer = 8
+    _triggers: "tuple[str, ...] | None" = None
+    # The InPorts whose samples execute it, none: all; None: it is executed at its ticks.
 
     def __init__(self, instance_name: "str | None" = None) -> None:
         self.instance_name = instance_name or self._type_name + "0"
@@ -37,6 +39,7 @@ class Component:
         self._failing = ""
         self._now = 0
         self._requests: list[int] = []
+        self._wake = lambda: None
 
     def add_in_port(self, name: str, type_: type) -> InPort:
         """Add an InPort with its buffer."""
@@ -140,9 +143,31 @@ class Component:
             if before == ERROR_STATE:
                 self._call("on_error", 0)
         elif self._state == ACTIVE_STATE:
-            self._ticks += 1
-            if not (self._call("on_execute", 0) and self._call("on_state_update", 0)):
-                self._enter_error()
+            if self._triggers is None:
+                self._execute()
+            elif before != ACTIVE_STATE and self._take_samples(now):
+                self._wake()
+
+    def _execute(self) -> None:
+        self._ticks += 1
+        if not (self._call("on_execute", 0) and self._call("on_state_update", 0)):
+            self._enter_error()
+
+    def _take_samples(self, now: int) -> bool:
+        """Execute if samples wait; return whether some were read, and others are left."""
+        self._now = now
+        before = self._unread()
+        if self._state != ACTIVE_STATE or not before:
+            return False
+        self._execute()
+        return 0 < self._unread() < before
+
+    def _unread(self) -> int:
+        return sum(port._unread for port in self._trigger_ports())
+
+    def _trigger_ports(self) -> "list[InPort]":
+        names = self._triggers or self.in_ports
+        return [port for name, port in self.in_ports.items() if name in names]
 
     def _request(self, request: int) -> int:
         needed = (INACTIVE_STATE, ACTIVE_STATE, ERROR_STATE)[request - 1]

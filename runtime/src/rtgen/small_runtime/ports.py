@@ -20,6 +20,7 @@ class InPort:
         self._unread = 0
         self._last = type_()
         self._any = False
+        self._arrived = lambda: None  # called after each sample
 
     def is_new(self) -> bool:
         """Return whether there is an unread sample."""
@@ -53,6 +54,7 @@ class InPort:
             self.lost += 1
         self._ring[(self._first + self._unread) % room]._copy_(sample)
         self._unread += 1
+        self._arrived()
 
 
 class OutPort:

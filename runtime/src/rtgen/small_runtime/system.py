@@ -16,6 +16,7 @@ from .components import Component
 class System:
     """Components on one clock; at equal times they run in the order in which they were added.
 
+    Those that samples execute run directly after the component that has written them.
     `wait` is called with the nanoseconds until the next tick; without it, time is simulated.
     """
 
@@ -25,6 +26,7 @@ class System:
         self._components: list[Component] = []
         self._periods: list[int] = []
         self._due: list[int] = []
+        self._woken: list[Component] = []
 
     def add(self, component: Component, rate: "float | None" = None) -> None:
         """Add a component at a rate [Hz], by default its own. Raises ValueError."""
@@ -36,6 +38,10 @@ class System:
             raise ValueError(component.instance_name + ": " + component.reason)
         component._state = INACTIVE_STATE
         component._call("on_startup", 0)
+        if component._triggers is not None:
+            component._wake = lambda: self._wake(component)
+            for port in component._trigger_ports():
+                port._arrived = component._wake
         self._components.append(component)
         self._periods.append(round(SECOND / hertz))
         self._due.append(self.time)
@@ -76,7 +82,15 @@ class System:
                 if due[i] == instant:
                     due[i] = instant + self._periods[i]
                     self._components[i]._cycle(instant)
+                    while self._woken:
+                        woken = self._woken.pop(0)
+                        if woken._take_samples(instant):
+                            self._wake(woken)
         self.time = until
+
+    def _wake(self, component: Component) -> None:
+        if component not in self._woken:
+            self._woken.append(component)
 
     def close(self) -> None:
         """Finalize all components, the one added last first, deactivating them if necessary."""

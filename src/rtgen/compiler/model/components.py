@@ -160,6 +160,10 @@ class Adapter(msgspec.Struct, frozen=True, kw_only=True):
     scales: tuple[tuple[tuple[str, ...], float, float], ...] = ()
 
 
+EVENT_DRIVEN = "EVENTDRIVEN"
+"""The activity of components that samples execute."""
+
+
 class SystemComponent(Unspelled, frozen=True, eq=False, kw_only=True):
     """A component of a system. `configuration` maps set id to (parameter, text) pairs.
 

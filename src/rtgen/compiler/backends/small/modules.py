@@ -32,6 +32,7 @@ from rtgen.compiler.model import (
     StringType,
     Struct,
 )
+from rtgen.compiler.model.components import EVENT_DRIVEN
 from rtgen.compiler.typemap.python.idl_names import PythonNames, package_path
 from rtgen.compiler.typemap.python.names import identifier
 
@@ -200,6 +201,7 @@ def component_module(
                 "type": imports.text(*names.public(type_.name)),
             }
         )
+    is_event_driven = component.activity == EVENT_DRIVEN
     text = render(
         "small/component.py.j2",
         docstring=docstring(heading(component), 0),
@@ -215,6 +217,7 @@ def component_module(
         slots=_slots([name for _, name in attributes.configuration]),
         rate=number_literal(float(component.rate)),
         buffer=options.small[2],
+        triggers=_slots(component.trigger_ports) if is_event_driven else None,
         ports=ports,
     )
     return fit_text(text)
