@@ -22,6 +22,7 @@ from rtgen.compiler.model import (
     Port,
     PortKind,
 )
+from rtgen.compiler.model.components import EVENT_DRIVEN
 from rtgen.compiler.model.rtc_profile import EVENT_PORT
 from rtgen.compiler.typemap.components.parameters import Parameters
 from rtgen.facts.constraints import parse, text_of
@@ -163,7 +164,9 @@ class Expected:
             "max_instance": (str(component.max_instances),),
         }
         self.rate = component.rate
-        self.is_periodic = component.execution.startswith("Periodic")
+        is_event_driven = component.activity == EVENT_DRIVEN
+        periodic = component.execution.startswith("Periodic")
+        self.is_periodic = periodic and not is_event_driven
         self.parameters = {
             each.name: ExpectedParameter(each, parameters)
             for each in component.configuration
