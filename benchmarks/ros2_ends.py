@@ -1,11 +1,12 @@
 """Nodes of `ros2.py`: what comes on `/in` goes on `/out`, and a driver that measures it.
 
-    python ros2_ends.py echo hand|rclpy|dds TYPE reliable|mixed
-    python ros2_ends.py drive TYPE COUNT RATE OCTETS reliable|mixed
+    python ros2_ends.py echo hand|rclpy|dds TYPE OCTETS reliable|mixed|late
+    python ros2_ends.py drive TYPE COUNT RATE OCTETS reliable|mixed|late
 
 An echo writes its processor time for each line that it reads. A driver is a node of rclpy, with
 serialized messages; it writes how many came back, and their latencies in milliseconds.
-With mixed QoS readers are best effort, and an echo sends one message on `/once`, transient local.
+An echo sends one message on `/once`, transient local, which the driver waits for with the last two
+kinds of QoS; with mixed QoS readers are best effort.
 """
 
 from __future__ import annotations
@@ -39,7 +40,14 @@ def profiles(qos: str) -> tuple[Any, Any, Any]:
     return writes, reads, QoSProfile(depth=1, durability=local)
 
 
-def hand(type_: str, qos: str) -> None:
+def fill(message: Any, octets: int) -> Any:
+    """Give a message that number of octets, if it has any; return it."""
+    if octets:
+        message.data = bytes(octets)
+    return message
+
+
+def hand(type_: str, octets: int, qos: str) -> None:
     """Spin a node as it is written by hand."""
     import rclpy
 
@@ -48,7 +56,7 @@ def hand(type_: str, qos: str) -> None:
     node = rclpy.create_node("echo")
     writes, reads, once = profiles(qos)
     publisher = node.create_publisher(class_, "out", writes)
-    node.create_publisher(class_, "once", once).publish(class_())
+    node.create_publisher(class_, "once", once).publish(fill(class_(), octets))
 
     def echo(message: Any) -> None:
         message.header.frame_id = "echo"
@@ -58,7 +66,7 @@ def hand(type_: str, qos: str) -> None:
     threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
 
 
-def rtgen(kind: str, type_: str, qos: str) -> None:
+def rtgen(kind: str, type_: str, octets: int, qos: str) -> None:
     """Connect an InPort and OutPorts."""
     from rtgen.facts.ros_qos import PROFILES, Durability, Reliability
     from rtgen.runtime.ports.data_ports import InPort, OutPort
@@ -95,15 +103,15 @@ def rtgen(kind: str, type_: str, qos: str) -> None:
         Joint(once, "/once", local),
     )
     RosPorts(network, joints)
-    once.write(class_())
+    once.write(fill(class_(), octets))
 
 
-def echo(kind: str, type_: str, qos: str) -> None:
+def echo(kind: str, type_: str, octets: int, qos: str) -> None:
     """Run a node until the input ends."""
     if kind == "hand":
-        hand(type_, qos)
+        hand(type_, octets, qos)
     else:
-        rtgen(kind, type_, qos)
+        rtgen(kind, type_, octets, qos)
     print("ready", flush=True)
     for _ in sys.stdin:
         print(time.process_time(), flush=True)
@@ -118,10 +126,7 @@ def drive(type_: str, count: int, rate: float, octets: int, qos: str) -> None:
     rclpy.init()
     node = rclpy.create_node("driver")
     writes, reads, once = profiles(qos)
-    message = class_()
-    if octets:
-        message.data = bytes(octets)
-    whole = serialize_message(message)
+    whole = serialize_message(fill(class_(), octets))
     sent = [0.0] * count
     latencies: dict[int, float] = {}
     done = threading.Event()
@@ -139,12 +144,12 @@ def drive(type_: str, count: int, rate: float, octets: int, qos: str) -> None:
     publisher = node.create_publisher(class_, "in", writes)
     node.create_subscription(class_, "out", came, reads, raw=True)
     sent_once = threading.Event()
-    if qos == "mixed":
+    if qos != "reliable":
         node.create_subscription(class_, "once", lambda _: sent_once.set(), once)
     threading.Thread(target=rclpy.spin, args=(node,), daemon=True).start()
     begun = time.perf_counter()
     found = None
-    if qos == "mixed":
+    if qos != "reliable":
         came_once = sent_once.wait(10.0)
         found = time.perf_counter() - begun if came_once else float("nan")
     while not known.is_set():
@@ -170,7 +175,8 @@ def drive(type_: str, count: int, rate: float, octets: int, qos: str) -> None:
 
 if __name__ == "__main__":
     if sys.argv[1] == "echo":
-        echo(*sys.argv[2:5])
+        kind_, type_, size_, qos_ = sys.argv[2:6]
+        echo(kind_, type_, int(size_), qos_)
     else:
         kind_, number_, rate_, size_, qos_ = sys.argv[2:7]
         drive(kind_, int(number_), float(rate_), int(size_), qos_)

@@ -173,7 +173,14 @@ def _encoding(descriptor: Any, refer: References, name: str) -> list[str]:
         if run is not None:
             return encoder.whole(run, name)
         lines = encoder.parts(steps, name)
-    return [f"out = {out}()", *lines, "return bytes(out)"]
+    begin, (*lines, last) = f"out = {out}()", lines
+    if out == "bytearray" and last.startswith("out += "):
+        return [
+            begin,
+            *lines,
+            f'return b"".join((out, {last.removeprefix("out += ")}))',
+        ]
+    return [begin, *lines, last, "return bytes(out)"]
 
 
 def _decoding(
