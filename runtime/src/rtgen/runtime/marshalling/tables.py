@@ -317,7 +317,7 @@ class _Table:
         fields: dict[str, Any] = {"align": atom.align, "size": atom.size, "shared": 1}
         number = _NUMBERS.get(atom.code)
         described = atom.type
-        if described is not None and described.class_ is None:
+        if getattr(described, "class_", atom) is None:
             raise _UncoveredError
         match atom.form:
             case Form.NUMBER if number is not None:
