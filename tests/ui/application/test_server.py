@@ -57,7 +57,9 @@ def get(server: Server, path: str, **headers: str) -> tuple[int, bytes, Any]:
 
 def opened(server: Server, token: str, **options: Any) -> ClientConnection:
     address = f"ws://{server.host}:{server.port}/socket?token={token}"
-    return connect(address, subprotocols=["rtgen-ui.1"], max_size=None, **options)
+    # On a busy machine an answer to a ping of the client may take its time.
+    options |= {"max_size": None, "ping_interval": None}
+    return connect(address, subprotocols=["rtgen-ui.1"], **options)
 
 
 def events(socket: ClientConnection) -> list[ui.Event]:
@@ -262,7 +264,7 @@ def test_texts_and_messages_that_are_too_long_are_refused(
 def test_a_page_that_floods_waits_for_the_others(served: Server) -> None:
     tokens = served.tokens
     ends = ui.Command.of_ends(ui.PortAddress("Odometry0", "OdometryPosition"))
-    many = 1000
+    many = 2000
     with (
         opened(served, tokens.read_only) as flooding,
         opened(served, tokens.read_only) as other,
