@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from difflib import SequenceMatcher
+from itertools import product
 from pathlib import Path
 from shutil import copy, copytree
 
@@ -18,6 +19,7 @@ from rtgen.ui.protocol import ui
 INTERCHANGE = ROOT / "specs/experiments/interchange"
 LENGTH = "dataport.inport.buffer.length"
 DATAFLOW = "dataport.dataflow_type"
+FULL = "dataport.inport.buffer.write.full_policy"
 
 
 @pytest.fixture
@@ -82,22 +84,16 @@ def test_a_change_is_shown_before_it_is_made(bench: Bench, folder: Path) -> None
     ("stated", "lines"),
     [
         ({LENGTH: "3"}, 1),
-        ({LENGTH: ""}, 1),
-        ({DATAFLOW: "pull"}, 1),
-        (
-            {
-                DATAFLOW: "pull",
-                LENGTH: "16",
-                "dataport.inport.buffer.write.full_policy": "block",
-            },
-            2,
-        ),
-        (
+        pytest.param({LENGTH: ""}, 1, marks=pytest.mark.nightly),
+        pytest.param({DATAFLOW: "pull"}, 1, marks=pytest.mark.nightly),
+        ({DATAFLOW: "pull", LENGTH: "16", FULL: "block"}, 2),
+        pytest.param(
             {
                 "dataport.publisher.skip_count": "2",
                 "dataport.publisher.push_policy": "skip",
             },
             1,
+            marks=pytest.mark.nightly,
         ),
     ],
 )
@@ -151,29 +147,28 @@ def rts_profile_yaml(path: Path) -> str:
     return profile_yaml.to_yaml(located_xml.parse(path.read_text(), str(path)))
 
 
-@pytest.mark.parametrize(
-    "stated",
-    [
-        {LENGTH: "0"},
-        {LENGTH: "many"},
-        {DATAFLOW: "duplex"},
-        {"dataport.subscription_type": "periodic"},
-        {"dataport.nothing": "1"},
-        {"dataport.io_mode": "new", "dataport.subscription_type": "flush"},
-    ],
+REFUSED = (
+    {LENGTH: "0"},
+    {LENGTH: "many"},
+    {DATAFLOW: "duplex"},
+    {"dataport.subscription_type": "periodic"},
+    {"dataport.nothing": "1"},
+    {"dataport.io_mode": "new", "dataport.subscription_type": "flush"},
 )
-@pytest.mark.parametrize("carried_out", [False, True])
+
+
 def test_what_no_connection_can_have_is_refused_and_changes_nothing(
-    bench: Bench, stated: dict[str, str], carried_out: bool
+    bench: Bench,
 ) -> None:
     page, name = bench.page(), first(bench)
     before = properties(bench, name)
-    told = ask(page, name, stated, carried_out=carried_out)
-    assert not told.done
-    assert told.message
-    assert properties(bench, name) == before
-    assert bench.session.edits.saved
-    assert bench.session.edits.undo_label == ""
+    for stated, carried_out in product(REFUSED, (False, True)):
+        told = ask(page, name, stated, carried_out=carried_out)
+        assert not told.done, stated
+        assert told.message
+        assert properties(bench, name) == before
+        assert bench.session.edits.saved
+        assert bench.session.edits.undo_label == ""
 
 
 def test_a_connection_that_only_the_run_has_changes_in_the_run_alone(
