@@ -224,7 +224,7 @@ def test_objects_are_a_tree(bus: Any, press: Callable[[Any], None]) -> None:
     identity = region.get_by_role("status", name="Value of 1018h:4")
     until(bus, lambda: identity.inner_text() != "")
     region.get_by_role("status", name="Value of 1018h:1").get_by_text("0x").wait_for()
-    press(region.get_by_text("Communication"))
+    press(region.get_by_text(re.compile(r"^Communication")))
     identity.wait_for(state="detached")
 
 
