@@ -9,6 +9,7 @@ import msgspec
 
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.frontends import eds
+from rtgen.facts.device_files import XML_SUFFIXES
 from rtgen.facts.files import absolute_path, check_output, overlaid, write_atomically
 from rtgen.tools.can.live.bus_session import BusSession, SilentError
 from rtgen.tools.can.live.dictionary_reading import DictionaryReader, Pace
@@ -28,7 +29,9 @@ class NodeFile(msgspec.Struct, frozen=True):
 
 
 def require_new(path: Path) -> None:
-    """Raise Refusal if the path is taken, or its folder is missing; ToolError if none can be."""
+    """Raise Refusal for a path that is taken, of XML or in no folder, ToolError for a bad one."""
+    if path.suffix.lower() in XML_SUFFIXES:
+        raise Refusal(f"-o names an EDS: rtgen convert makes {path.name} of it")
     try:
         check_output(path)
         taken = path.is_symlink() or path.exists()
