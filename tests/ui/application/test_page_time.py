@@ -76,7 +76,7 @@ def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
     goal.press("Enter")
     values = page.get_by_role("region", name="Odometry0.OdometryPosition")
     values.get_by_role("columnheader", name="beside", exact=True).wait_for()
-    values.get_by_text("data.heading (beside)").wait_for()
+    values.get_by_role("rowheader", name="data.heading").wait_for()
     page.get_by_text("beside: ACTIVE").wait_for()
     page.get_by_role("button", name="Beside: the run before").click()
     values.get_by_role("columnheader", name="beside", exact=True).wait_for(
