@@ -116,7 +116,10 @@ def test_pyright_finds_nothing(sets: dict[str, Path], tmp_path: Path) -> None:
 
 
 def test_modules_of_tests_have_names_of_their_own() -> None:
-    """Pytest imports them by their names alone, and cannot collect a second one."""
-    files = [*(ROOT / "tests").rglob("test_*.py")]
-    names = Counter(file.name for file in files if "cases" not in file.parts)
-    assert not [name for name, count in names.items() if count > 1]
+    """Pytest imports them, and they import each other, by their names alone."""
+    tests = [*(ROOT / "tests").rglob("test_*.py")]
+    folders = {file.parent for file in tests if "cases" not in file.parts}
+    files = [file for folder in folders for file in folder.glob("*.py")]
+    names = Counter(file.name for file in files)
+    shared = ("conftest.py", "__init__.py")
+    assert not [n for n, count in names.items() if count > 1 and n not in shared]

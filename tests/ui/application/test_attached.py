@@ -6,8 +6,8 @@ from collections.abc import Iterator
 from typing import Any
 
 import pytest
+from attached_page import Watching
 from ui_bench import QUIET
-from watching_page import Watching
 
 from refrobots.rtc import Time, TimedDouble
 from rtgen import runtime

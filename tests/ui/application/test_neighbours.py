@@ -12,9 +12,9 @@ import pytest
 
 pytest.importorskip("omniORB", reason="omniORBpy is not installed")
 
+from attached_page import Watching, ending
 from patience import PATIENCE
 from ui_bench import QUIET, started_over_corba
-from watching_page import Watching, ending
 
 from refrobots.iis import TimedVelocity2D
 from refrobots.rtc import TimedDoubleSeq
