@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from page_flaws import violations
 from ui_bench import ROOT, by_both_hands, by_mouse, choose, pick, until
 
 from rtgen.runtime.timing.traffic import BusFrame
@@ -116,6 +117,7 @@ def test_identifiers_have_a_row_each_with_what_changes(bus: Any) -> None:
     assert row.count() == 1
     assert float(row.locator("td").nth(2).inner_text()) > 0
     frames.locator("mark").first.wait_for()
+    assert violations(bus) == []
     bus.get_by_role("button", name="By identifier").press("Enter")
 
 
@@ -224,6 +226,7 @@ def test_objects_are_a_tree(bus: Any, press: Callable[[Any], None]) -> None:
     identity = region.get_by_role("status", name="Value of 1018h:4")
     until(bus, lambda: identity.inner_text() != "")
     region.get_by_role("status", name="Value of 1018h:1").get_by_text("0x").wait_for()
+    assert violations(bus) == []
     press(region.get_by_text(re.compile(r"^Communication")))
     identity.wait_for(state="detached")
 

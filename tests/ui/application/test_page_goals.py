@@ -6,6 +6,7 @@ import re
 from typing import Any
 
 import pytest
+from page_flaws import violations
 from ui_bench import WIDE, by_keyboard, pick, until
 
 from rtgen.ui.session import Session
@@ -76,6 +77,7 @@ def test_a_distance_is_measured_by_keyboard(page: Any, area: Any) -> None:
     page.keyboard.press("Enter")
     measured = page.get_by_role("status", name="Measured")
     measured.get_by_text(re.compile(r"^[0-9.]+ m, 90\.0°$")).wait_for()
+    assert violations(page) == []
     page.keyboard.press("Escape")
     until(page, lambda: measured.inner_text() == "")
 

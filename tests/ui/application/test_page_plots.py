@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from page_flaws import violations
 from ui_bench import WIDE, by_both_hands, select, until
 
 from rtgen.ui.session import Session
@@ -160,6 +161,7 @@ def test_several_ports_share_a_plot(
     region.get_by_role("row", name=VELOCITY).first.wait_for()
     # Metres and radians, then metres and radians per second.
     region.get_by_role("img", name="Plot 1").nth(1).locator(".uplot").wait_for()
+    assert violations(page) == []
     press(region.get_by_role("button", name="Remove Plot 1"))
     region.wait_for(state="detached")
 
