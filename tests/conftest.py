@@ -9,15 +9,10 @@ import shutil
 import signal
 from itertools import count
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
 
 import pytest
 import seeds
 from hypothesis import settings
-
-if TYPE_CHECKING:
-    from rtgen.compiler.frontends import FrontendResult
-    from rtgen.compiler.project import Project
 
 # How long an example takes is the machine's matter.
 settings.register_profile("rtgen", deadline=None)
@@ -119,20 +114,3 @@ def tmp_path(
 def update_golden(request: pytest.FixtureRequest) -> bool:
     """Whether golden files are to be written."""
     return bool(request.config.getoption("--update-golden"))
-
-
-@pytest.fixture(scope="session", autouse=True)
-def _shared_reading() -> None:
-    """Let tests of a process that read unchanged definitions share the results, as editors do."""
-    from rtgen.compiler import compilation
-    from rtgen.compiler.frontends.kit.memo import Memo
-
-    memo, read = Memo(), compilation.read
-
-    def reading(project: Project, **options: Any) -> FrontendResult:
-        if options.get("observer") is None and options.get("memo") is None:
-            memo.begin()
-            options["memo"] = memo
-        return read(project, **options)
-
-    compilation.read = reading

@@ -15,6 +15,10 @@ from heating_project import write
 from ui_bench import GOAL, NARROW, QUIET, WIDE, opened, serving
 
 from rtgen.cli import run as rtgen
+from rtgen.compiler import compilation
+from rtgen.compiler.frontends import FrontendResult
+from rtgen.compiler.frontends.kit.memo import Memo
+from rtgen.compiler.project import Project
 from rtgen.runtime import SimulatedClock
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.server import PAGE
@@ -143,3 +147,22 @@ def warm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     for name in [*sys.modules]:
         if name.partition(".")[0] in ("heating", "warmth"):
             del sys.modules[name]
+
+
+_MEMO = Memo()
+
+
+@pytest.fixture(scope="module", autouse=True)
+def _shared_reading() -> Iterator[None]:
+    """Let sessions that read unchanged definitions share the results, as an editor's do."""
+    read = compilation.read
+
+    def reading(project: Project, **options: Any) -> FrontendResult:
+        if options.get("observer") is None and options.get("memo") is None:
+            _MEMO.begin()
+            options["memo"] = _MEMO
+        return read(project, **options)
+
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(compilation, "read", reading)
+        yield
