@@ -131,8 +131,8 @@ function Toolbar({ tabset }: { tabset: TabsetNode<View> }) {
 
 const renderToolbar = (tabset: TabsetNode<View>) => <Toolbar tabset={tabset} />;
 
-/** The wiring keeps its layout, services keep what was typed. */
-const hidden = ({ data }: TabNode<View>): HiddenTabBehavior => (data === "Wiring" ? "keep-mounted" : data === "Services" ? "activity" : "unmount");
+/** The wiring keeps its layout. */
+const hidden = ({ data }: TabNode<View>): HiddenTabBehavior => (data === "Wiring" ? "keep-mounted" : "unmount");
 
 interface Props {
   handle: RefObject<Handle | null>;
