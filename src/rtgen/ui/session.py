@@ -34,7 +34,7 @@ from rtgen.runtime.timing.traffic import (
 from rtgen.runtime.timing.traffic import Event as Happening
 from rtgen.tools.kit.member_units import MemberUnits
 from rtgen.tools.recording.recorder import cdr_encoder
-from rtgen.ui import adjusting, boards, compared_run, description
+from rtgen.ui import boards, compared_run, connection_properties, description
 from rtgen.ui.buses import Buses
 from rtgen.ui.changes import Changes
 from rtgen.ui.compared_run import ComparedRun
@@ -382,7 +382,7 @@ class Session:
             foreign=[*self.foreign],
             plan=[*map(planned, self.project.timeline(self.profile).steps)],
             doc=self.profile.abstract,
-            properties=adjusting.parameters(),
+            properties=connection_properties.parameters(),
         )
 
     @property

@@ -191,6 +191,18 @@ ROWS: Mapping[str, tuple[Row, ...]] = {
         Row(f"{REAL} --transport dds --transport-config @", ".xml"),
         Row(f"{REAL} --transport zenoh --transport-config @", ".json5"),
     ),
+    "ui transport_config": (
+        Row(
+            "ui --port 0 --no-open --transport dds --transport-config @",
+            ".xml",
+            serves=True,
+        ),
+        Row(
+            "ui --port 0 --no-open --transport zenoh --transport-config @",
+            ".json5",
+            serves=True,
+        ),
+    ),
     "ui systems": (Row("ui @ --port 0 --no-open", *SYSTEM, serves=True),),
     "ui buses": (Row(f"{UI} --bus @", *BUS, serves=True),),
     "ui recorded": (

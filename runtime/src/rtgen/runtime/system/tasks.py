@@ -4,17 +4,31 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from itertools import count
-from typing import TYPE_CHECKING
+from typing import Protocol
 
 import msgspec
 
 from rtgen.runtime.system.scheduling import Action
 
-if TYPE_CHECKING:
-    from rtgen.runtime.system.runner import Runner
-
 GRID = 1_000_000
 """The first ticks of tasks are at multiples of this time [ns], so that they share rows."""
+
+
+class TaskRunner(Protocol):
+    """The thread that has a task."""
+
+    @property
+    def ident(self) -> int | None:
+        """The identifier of the thread."""
+
+    def set_period(self, task: Task, period: int) -> None:
+        """Change a period; the next tick is one new period after the last."""
+
+    def wake(self, task: Task) -> None:
+        """Call `between` of a task after the tick in progress."""
+
+    def remove(self, task: Task) -> bool:
+        """Call a task no more; return False if its tick in progress does not end."""
 
 
 class Work:
@@ -74,7 +88,7 @@ class Task:
         """When the first tick is due."""
         self.harm = self.harmed = 0
         """Number of its last ticks that kept others from theirs, and the number of the last one."""
-        self.runner: Runner | None = None
+        self.runner: TaskRunner | None = None
         self.lane: Lane | None = None
         self.of = self
         self.ended = False
