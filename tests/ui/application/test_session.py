@@ -319,6 +319,7 @@ CHANGING = {
     "written": ui.SdoAccess("can0", 1, 0x6040, 0, "15"),
     "injected": ui.Inject(ui.PortAddress("RefHardRh30", "InTargetVelocity")),
     "renamed": ui.Rename(instance="Odometry0", name="Odometer0"),
+    "adjusted": ui.Adjust(VELOCITY),
 }
 """Every command of a page that may only look: those that it may give, and the others."""
 
