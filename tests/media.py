@@ -268,6 +268,8 @@ def router(locator: str, *others: str) -> Iterator[Any]:
         "connect/endpoints": others,
         "scouting/multicast/enabled": False,
         "scouting/delay": 0,
+        # A large sample is not dropped because the machine is loaded.
+        "transport/link/tx/queue/congestion_control/drop/max_wait_before_drop_fragments": 1_000_000,
     }.items():
         config.insert_json5(key, json.dumps(value))
     with zenoh.open(config) as session:
