@@ -258,7 +258,7 @@ def test_the_command_on_a_bus(
 @pytest.mark.parametrize(
     ("arguments", "word"),
     [
-        (["board.txt"], "is not an EDS, a DCF, a CDL file or"),
+        (["board.txt"], "is not a description of a device, a CDL file or"),
         (["f_palette.eds", "--connect", "can0"], "not INTERFACE:CHANNEL"),
         (["f_palette.eds", "--connect", "virtual:x"], "--node N"),
         (["nothing.eds", "--node", "1", "--connect", "virtual:x"], "nothing.eds"),

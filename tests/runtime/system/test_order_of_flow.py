@@ -106,7 +106,8 @@ def test_other_rates_and_places_stay_as_they_were() -> None:
     assert seen == ["a", "x", "b", "c"]
 
 
-def test_a_connection_made_later_counts_from_the_next_run_on() -> None:
+@pytest.mark.parametrize("pieces", [1, 2, 3])
+def test_a_connection_made_later_leaves_the_order(pieces: int) -> None:
     seen: list[str] = []
     with System() as system:
         for name in ("b", "a"):
@@ -117,10 +118,22 @@ def test_a_connection_made_later_counts_from_the_next_run_on() -> None:
                 outputs=("out",),
             )
             activated(system, actor, rate_hz=1000.0)
+        system.at(MS, lambda: system.connect(("a", "out"), ("b", "in")))
+        for piece in range(1, pieces + 1):
+            system.run(until_ns=6 * MS * piece // pieces)
+    assert seen == ["b", "a"] * 6
+
+
+def test_connections_that_are_elsewhere_count() -> None:
+    seen: list[str] = []
+    with System() as system:
+        for name in ("c", "b", "a"):
+            activated(
+                system, Actor(name, lambda n=name: seen.append(n)), rate_hz=1000.0
+            )
+        system.follow([("a", "b"), ("b", "c"), ("a", "x")])
         system.run(until_ns=MS)
-        system.connect(("a", "out"), ("b", "in"))
-        system.run(until_ns=2 * MS)
-    assert seen == ["b", "a", "a", "b"]
+    assert seen == ["a", "b", "c"]
 
 
 def test_real_time_has_the_same_order() -> None:

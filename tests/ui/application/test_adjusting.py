@@ -13,7 +13,7 @@ from ui_bench import ROOT, Bench, Page
 
 from rtgen.compiler.frontends.profiles import rts_profile
 from rtgen.facts.connector_properties import stated_data, violation
-from rtgen.ui.adjusting import parameters
+from rtgen.ui.connection_properties import parameters
 from rtgen.ui.protocol import ui
 
 INTERCHANGE = ROOT / "specs/experiments/interchange"

@@ -17,13 +17,20 @@ GOAL = "Navigation0.path"
 BODY = "Odometry0.OdometryPosition"
 DRAWN = """picture => {
     const { width, height } = picture;
-    const { data } = picture.getContext("2d").getImageData(0, 0, width, height);
+    const copy = new OffscreenCanvas(width, height);
+    const pen = copy.getContext("2d", { willReadFrequently: true });
+    pen.drawImage(picture, 0, 0);
+    const { data } = pen.getImageData(0, 0, width, height);
     let count = 0;
     for (let i = 0; i < data.length; i += 4)
         if (Math.max(...data.slice(i, i + 3)) - Math.min(...data.slice(i, i + 3)) > 40) count += 1;
     return count;
 }"""
 """The number of coloured pixels."""
+DRAWN_AGAIN = """() => new Promise(
+    done => requestAnimationFrame(() => requestAnimationFrame(done))
+)"""
+"""Waits until the page shows what has happened."""
 
 
 @pytest.fixture(scope="module", params=[WIDE], ids=["wide"])
@@ -119,8 +126,9 @@ def test_the_wheel_zooms_around_the_mouse(page: Any, area: Any) -> None:
     x, y = round(box["x"]) + 60, round(box["y"]) + 60
     at = page.locator(".map .at span")
     page.mouse.move(x, y)
-    until(page, lambda: at.inner_text() != "")
+    page.evaluate(DRAWN_AGAIN)
     before, scale = at.inner_text(), area.get_attribute("aria-label")
+    assert before
     for _ in range(4):
         page.mouse.wheel(0, -400)
     until(page, lambda: area.get_attribute("aria-label") != scale)

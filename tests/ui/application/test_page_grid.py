@@ -79,7 +79,10 @@ def test_its_cells_are_drawn(page: Any) -> None:
     shades = page.get_by_role("img", name="Map, scale bar").evaluate(
         """(canvas, far) => {
             const { width, height } = canvas;
-            const { data } = canvas.getContext("2d").getImageData(0, 0, width, height);
+            const copy = new OffscreenCanvas(width, height);
+            const pen = copy.getContext("2d", { willReadFrequently: true });
+            pen.drawImage(canvas, 0, 0);
+            const { data } = pen.getImageData(0, 0, width, height);
             const at = (across, down) => {
                 const x = Math.round(width / 2 + across * height * far);
                 const y = Math.round(height / 2 + down * height * far);

@@ -138,6 +138,7 @@ def visit(page: Any, tab: str, i: int) -> None:
         page.get_by_role("combobox", name="Bus", exact=True).select_option(index=i)
         objects = page.get_by_role("region", name="Object dictionary")
         objects.get_by_label("Node").select_option(index=1)
+        objects.get_by_label("Objects", exact=True).fill(f"{0x2000 + i:X}h:0")
         objects.get_by_role("button", name=f"Read {0x2000 + i:X}h:0").click()
         signals = page.get_by_role("region", name="Signals")
         signals.locator("select").select_option(index=1)

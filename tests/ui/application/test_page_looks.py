@@ -101,7 +101,7 @@ INKS = """region => {
     const picture = plot?.querySelector("canvas");
     if (!picture) return [];
     const { width, height } = picture;
-    const copy = new OffscreenCanvas(width, height).getContext("2d");
+    const copy = new OffscreenCanvas(width, height).getContext("2d", { willReadFrequently: true });
     copy.drawImage(picture, 0, 0);
     const { data } = copy.getImageData(0, 0, width, height);
     const drawn = ink => {

@@ -187,8 +187,8 @@ def test_components_are_filtered_and_dragged_to_their_place(
     palette.get_by_role("searchbox").fill("heater")
     assert violations(page) == []
     add.drag_to(page.locator(".react-flow__pane"), target_position={"x": 300, "y": 80})
-    until(page, lambda: "Heater1" in session.system.instances)
-    assert "Heater1" in session.places
+    until(page, lambda: "Heater1" in session.places)
+    assert "Heater1" in session.system.instances
     page.get_by_role("button", name="Undo", disabled=False).click()
     until(page, lambda: "Heater1" not in session.system.instances)
     palette.get_by_role("button", name="Close the palette").click()

@@ -54,6 +54,16 @@ class Course:
             and (self._is_between(connection, present) or _inside(connection, present))
         ]
 
+    def flow(self) -> Iterator[tuple[str, str]]:
+        """Yield the instances of the ends of the data connections at the start."""
+        for time, connection in self.connections:
+            source, target = _ends(connection)
+            is_data = source in self.channels or any(
+                each.name.startswith("dataport.") for each in connection.properties
+            )
+            if time == 0 and connection.connected and is_data:
+                yield source[0], target[0]
+
     def changes(
         self, present: Collection[str]
     ) -> Iterator[tuple[int, messages.Connection]]:
@@ -134,6 +144,7 @@ class Replay:
             for name in system.instances
             if isinstance(system.component(name), Player)
         }
+        system.follow(self._course.flow())
         for time, connection in self._course.changes(self._present):
             source, target = _ends(connection)
             if source[0] in self._present:
@@ -152,7 +163,8 @@ class Replay:
 
     def run(self, until: int | None = None) -> None:
         """Run to the end of the recording, or until an earlier time [ns]."""
-        self._schedule(next(self._samples, None))
+        # During the run, whose beginning decides on the order of ticks.
+        self._system.at(0, lambda: self._schedule(next(self._samples, None)))
         end = self._course.end
         if until is not None and until < end:
             self._system.run(until)

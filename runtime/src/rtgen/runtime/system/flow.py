@@ -21,14 +21,19 @@ class Flow(msgspec.Struct, eq=False):
 
     _participants: Mapping[str, Participant]
     _connectors: Mapping[str, Any]
-    is_new: bool = False
-    """Whether there are connections that have no effect on the order yet."""
+    further: list[tuple[str, str]] = msgspec.field(default_factory=list)
+    """Connections that count although they are not here: the instances of their ends."""
+    is_fixed: bool = False
 
-    def order(self, scheduler: Scheduler) -> None:
-        """Let periodic contexts of equal rate tick in the order of the flow of their data."""
-        if not self.is_new:
+    def fix(self, scheduler: Scheduler) -> None:
+        """Let periodic contexts of equal rate tick in the order of the flow of their data.
+
+        Connections that are made later do not count: what a run does must not depend on where
+        calls of `run` divide it.
+        """
+        if self.is_fixed:
             return
-        self.is_new = False
+        self.is_fixed = True
         orders = scheduler.orders
         contexts = {name: each.context for name, each in self._participants.items()}
         groups: dict[int, list[ExecutionContext]] = {}
@@ -40,6 +45,7 @@ class Flow(msgspec.Struct, eq=False):
             for each in tuple(self._connectors.values())
             if isinstance(each, DataConnector)
         ]
+        flow += [(contexts.get(a), contexts.get(b)) for a, b in self.further]
         for group in groups.values():
             places = sorted(orders[context] for context in group)
             ordered = in_order_of_flow(group, flow)

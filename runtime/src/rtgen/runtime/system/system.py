@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping, Sequence
 from functools import partial
 from typing import Any
 
@@ -356,7 +356,6 @@ class System(Closable):
             )
         connector.attach()
         self._connectors[connector.name] = connector
-        self._flow.is_new = True
         self._report_connection(connector, connected=True)
         if isinstance(connector, DataConnector) and connector.publisher is not None:
             # The writer of a connection from another process is not here.
@@ -427,9 +426,16 @@ class System(Closable):
         """
         if until_ns is None and until is None:
             raise ValueError("run needs an end: until_ns, until, or both")
-        self._flow.order(self._scheduler)
+        self._flow.fix(self._scheduler)
         condition = None if until is None else lambda: until(self)
         return self._scheduler.run(until_ns, condition)
+
+    def follow(self, flow: Iterable[tuple[str, str]]) -> None:
+        """Let components of equal rate tick as if there were further connections.
+
+        Each is a pair of instances. Only before the first `run`.
+        """
+        self._flow.further += flow
 
     def end_run(self, error: BaseException) -> None:
         """Make `run` raise the error after the current step. Can be called from any thread.
