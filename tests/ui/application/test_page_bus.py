@@ -221,13 +221,14 @@ def test_objects_are_a_tree(bus: Any, press: Callable[[Any], None]) -> None:
     if region.get_by_label("Node").input_value() != "2":
         pick(region.get_by_label("Node"), "front_right", press)
     for branch in ("Communication", "1018h Identity"):
-        press(region.locator("summary", has_text=branch))
+        press(region.locator("summary", has_text=re.compile(f"^{branch}")))
     press(region.get_by_role("button", name="Read all of 1018h Identity"))
     identity = region.get_by_role("status", name="Value of 1018h:4")
     until(bus, lambda: identity.inner_text() != "")
     region.get_by_role("status", name="Value of 1018h:1").get_by_text("0x").wait_for()
     assert violations(bus) == []
-    press(region.locator("summary", has_text="Communication"))
+    for branch in ("1018h Identity", "Communication"):
+        press(region.locator("summary", has_text=re.compile(f"^{branch}")))
     identity.wait_for(state="detached")
 
 
