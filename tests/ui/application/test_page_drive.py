@@ -244,8 +244,12 @@ def open_connections(page: Any, instance: str, port: str) -> None:
         page, page.locator(f'.react-flow__node[data-id="{instance}"]'), "Shift+F10"
     )
     choose(page, "Connections", by_keyboard)
-    page.keyboard.press("Tab")
     chooser = page.get_by_label("Chosen port")
+    chooser.wait_for()
+    for _ in range(10):
+        page.keyboard.press("Tab")
+        if chooser.and_(page.locator(":focus")).count():
+            break
     chooser.and_(page.locator(":focus")).wait_for()
     pick(chooser, port, by_keyboard)
 
@@ -295,8 +299,12 @@ def connect_by_keyboard(page: Any) -> None:
         press_key(page, button)
         button.wait_for(state="detached")
     reach(page, page.get_by_role("tab", name="Connections"), "Shift+Tab")
-    page.keyboard.press("ArrowRight")
-    page.keyboard.press("ArrowRight")
+    drive = page.get_by_role("tab", name="Drive", selected=True)
+    for _ in range(12):
+        page.keyboard.press("ArrowRight")
+        if drive.count():
+            break
+    drive.wait_for()
     chooser = page.get_by_label("Driven port")
     reach(page, chooser)
     pick(chooser, "JoystickA0.moving_command", by_keyboard)

@@ -84,6 +84,11 @@ def test_one_is_played_and_scrubbed(
     assert add.is_disabled()
 
 
+CELLS = """rows => rows.map(
+    row => [...row.querySelectorAll("td")].map(each => each.textContent)
+)"""
+
+
 @by_both_hands
 def test_two_are_beside_each_other(
     page: Any, session: Recorded, press: Callable[[Any], None]
@@ -94,10 +99,11 @@ def test_two_are_beside_each_other(
     page.get_by_text("beside: ACTIVE").wait_for()
     values = page.get_by_role("region", name=PORT)
     values.get_by_role("columnheader", name="beside", exact=True).wait_for()
-    rows = values.get_by_role("table").last.locator("tbody tr")
+    beside = page.get_by_role("columnheader", name="beside", exact=True)
+    rows = values.get_by_role("table").filter(has=beside).locator("tbody tr")
 
     def columns() -> list[tuple[str, ...]]:
-        cells = [each.split("\t") for each in rows.all_inner_texts()]
-        return [tuple(cell[at] for cell in cells) for at in (1, 2)]
+        cells = rows.evaluate_all(CELLS)
+        return [tuple(cell[at] for cell in cells) for at in (0, 1)]
 
     until(page, lambda: all(map(all, columns())) and columns()[0] != columns()[1])

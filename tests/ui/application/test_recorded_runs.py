@@ -183,7 +183,7 @@ def test_the_page_overlays_both(browser: Any, recorded: Server) -> None:
         select(page, "Odometry0")
         values = page.get_by_role("region", name=PORT)
         values.get_by_role("columnheader", name="beside", exact=True).wait_for()
-        assert values.get_by_text("data.position.x (beside)").count() == 1
+        values.get_by_role("row", name="data.position.x").wait_for()
         slider = page.get_by_role("slider", name="Look at time")
         slider.press("Home")
         time = page.get_by_label("Time of the run")
