@@ -164,3 +164,39 @@ def test_a_device_of_a_bus_with_tables_in_it(editor: Editor, header: str) -> Non
     editor.open("bus_toml", changed["bus.toml"])
     found = editor.findings("bus_toml")["bus.toml"]
     assert [each for each in found if each.severity.value == "error"] == []
+
+
+PROFILE = """\
+<rtc:RtcProfile rtc:version="0.3" rtc:id="RTC:me:Demo:Lamp:1.0.0"
+    xmlns:rtc="http://www.openrtp.org/namespaces/rtc">
+  <rtc:BasicInfo rtc:name="Lamp" rtc:componentType="STATIC" rtc:activityType="PERIODIC"
+      rtc:componentKind="DataFlowComponent" rtc:category="Demo" rtc:vendor="me"
+      rtc:version="1.0.0" rtc:executionType="PeriodicExecutionContext"
+      rtc:executionRate="10.0" rtc:maxInstances="1"
+      rtc:creationDate="2024-05-06T07:08:09+09:00"
+      rtc:updateDate="2024-05-06T07:08:09+09:00"/>
+  <rtc:ConfigurationSet>
+    <rtc:Configuration rtc:name="glow" rtc:type="double" rtc:defaultValue="0.5"/>
+  </rtc:ConfigurationSet>
+  <rtc:DataPorts rtc:portType="DataInPort" rtc:name="spot" rtc:type="Shapes::Point"/>
+  <rtc:ServicePorts rtc:name="Board">
+    <rtc:ServiceInterface rtc:name="canvas" rtc:direction="Required" rtc:type="Canvas"/>
+  </rtc:ServicePorts>
+  <rtc:Language rtc:kind="Python"/>
+</rtc:RtcProfile>
+"""
+
+
+def test_names_of_a_profile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.chdir(tmp_path)
+    editor = Editor(tmp_path, **PROJECT, lamp_xml=PROFILE)
+    view = editor.open("types_idl")
+    point = editor.at(view, "struct Po^int")
+    shown = {editor.shown(e) for e in references(view, point, declaration=False)}
+    assert "lamp.xml:12 Point" in {
+        each.replace("[", "").replace("]", "") for each in shown
+    }
+    view = editor.open("drawing_idl")
+    canvas = editor.at(view, "provides Can^vas canvas")
+    shown = {editor.shown(e) for e in references(view, canvas, declaration=False)}
+    assert any(each.startswith("lamp.xml:14 ") for each in shown)
