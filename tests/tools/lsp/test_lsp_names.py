@@ -180,7 +180,8 @@ PROFILE = """\
   </rtc:ConfigurationSet>
   <rtc:DataPorts rtc:portType="DataInPort" rtc:name="spot" rtc:type="Shapes::Point"/>
   <rtc:ServicePorts rtc:name="Board">
-    <rtc:ServiceInterface rtc:name="canvas" rtc:direction="Required" rtc:type="Canvas"/>
+    <rtc:ServiceInterface rtc:name="canvas" rtc:direction="Required"
+        rtc:type="Drawing::Canvas"/>
   </rtc:ServicePorts>
   <rtc:Language rtc:kind="Python"/>
 </rtc:RtcProfile>
@@ -199,4 +200,4 @@ def test_names_of_a_profile(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> 
     view = editor.open("drawing_idl")
     canvas = editor.at(view, "provides Can^vas canvas")
     shown = {editor.shown(e) for e in references(view, canvas, declaration=False)}
-    assert any(each.startswith("lamp.xml:14 ") for each in shown)
+    assert any(each.startswith("lamp.xml:15 ") for each in shown)
