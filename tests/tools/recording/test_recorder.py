@@ -209,7 +209,7 @@ def test_real_time_gives_utc(tmp_path: Path) -> None:
         began = system.clock.now()
         Recorder(system, writer)
         system.run(100 * MS)
-        ended = system.clock.now()
+    ended = system.clock.now()  # components tick until the system is closed
     log = Log(path)
     assert began - 1000 * MS < log.start <= began
     samples = [e for e in log.events() if e["event"] == "sample"]
