@@ -3,7 +3,7 @@
 The seed of `make test` depends on the commit: another commit draws other inputs, a second run of
 the same commit the same ones; `make fuzz` draws others each time. `RTGEN_SEED` sets one, for
 example that of a failed run, which pytest prints in its header. `RTGEN_BUDGET` multiplies the
-numbers of drawn inputs that tests state, by default 0.1; `make nightly` takes 0.4, the workflow 5
+numbers of drawn inputs that tests state, by default 0.2; `make nightly` takes 0.4, the workflow 5
 each night, `make fuzz` 30.
 """
 
@@ -50,7 +50,7 @@ def seed() -> int:
 
 def budget(count: int, *, least: int = 1) -> int:
     """Return `count` times `RTGEN_BUDGET`, but not fewer than `least`."""
-    share = float(os.environ.get("RTGEN_BUDGET", "0.1"))
+    share = float(os.environ.get("RTGEN_BUDGET", "0.2"))
     return max(least, math.ceil(count * share))
 
 
