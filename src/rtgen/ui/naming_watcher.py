@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import queue
-import threading
 import time
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from contextlib import suppress
@@ -47,6 +45,7 @@ from rtgen.ui.remote_component import (
 )
 from rtgen.ui.remote_connections import RemoteConnections
 from rtgen.ui.remote_state import RemoteState, obstacle, restored
+from rtgen.ui.request_thread import RequestThread
 from rtgen.ui.watching import Key, Take, Use
 
 PERIOD: Final = 1.0
@@ -57,8 +56,6 @@ _End = tuple[bool, ui.PortAddress]
 """One end of a connection, and whether the page draws it as the source."""
 _Ports = dict[bytes, list[tuple[Any, _End]]]
 """Ports with their references, by the object keys of the references."""
-MAX_WAITING: Final = 256
-"""Maximum number of waiting commands."""
 
 
 class _Service:
@@ -114,7 +111,6 @@ class NamingWatcher:
         self._publish = publish
         self._report = report
         self._own = own
-        self._period = period
         self._timeout = timeout
         self._orb = Orb(timeout=timeout)
         self._exported = Exported(self._orb)
@@ -132,11 +128,8 @@ class NamingWatcher:
         self._ids: dict[str, tuple[ui.PortAddress, ui.PortAddress, str]] = {}
         """The ends and connector ids of connections."""
         self._published = RemoteState()
-        self._requests: queue.Queue[Callable[[], None]] = queue.Queue(MAX_WAITING)
-        self._closing = threading.Event()
-        self._thread = threading.Thread(
-            target=self._run, name="rtgen-ui-names", daemon=True
-        )
+        self._thread = RequestThread("rtgen-ui-names", period, self._poll, self._settle)
+        self.submit = self._thread.submit
         self._thread.start()
 
     def close(self) -> None:
@@ -144,44 +137,24 @@ class NamingWatcher:
 
         Components that were activated here are deactivated.
         """
-        self._closing.set()
-        with suppress(queue.Full):
-            self._requests.put_nowait(lambda: None)
-        self._thread.join()
+        self._thread.close()
         self._activations.release_all()
         with suppress(*FAULTS):
             self._taps.close(2 * self._timeout)
         self._orb.close()
 
-    def submit(self, request: Callable[[], None]) -> bool:
-        """Queue a request, which must not raise; return False if too many wait."""
-        try:
-            self._requests.put_nowait(request)
-        except queue.Full:
-            return False
-        return True
-
     # Polling.
 
-    def _run(self) -> None:
-        while not self._closing.is_set():
-            next_round = time.monotonic() + self._period
-            self._poll()
-            while (remaining := next_round - time.monotonic()) > 0:
-                try:
-                    self._requests.get(timeout=remaining)()
-                except queue.Empty:
-                    break
-                if self._closing.is_set():
-                    return
-                if self._takers is not self._listened:
-                    self._listen()
-                self._publish_changes()
+    def _settle(self) -> None:
+        """Receive what pages watch, and publish the state, after a request."""
+        if self._takers is not self._listened:
+            self._listen()
+        self._publish_changes()
 
     def _poll(self) -> None:
         for service in self._services:
             service.query(self._orb.orb)
-            if self._closing.is_set():
+            if self._thread.is_closing:
                 return
         self._update_components()
         everybody = sorted(self._components.values(), key=lambda each: each.asked)
@@ -197,15 +170,10 @@ class NamingWatcher:
         self._publish_changes()
         self._listen()
 
-    def _carry_out_waiting(self) -> None:
-        with suppress(queue.Empty):
-            while not self._closing.is_set():
-                self._requests.get_nowait()()
-
     def _query(self, component: RemoteComponent) -> None:
         """Execute the waiting actions, then query a component."""
-        self._carry_out_waiting()
-        if not self._closing.is_set() and not component.query():
+        self._thread.carry_out_waiting()
+        if not self._thread.is_closing and not component.query():
             self._publish_changes()
 
     def _update_components(self) -> None:
@@ -334,14 +302,14 @@ class NamingWatcher:
         self._taps.tidy(self._takers, self._port_state)
         failed: set[str] = set()
         for key, take in self._takers.items():
-            self._carry_out_waiting()
+            self._thread.carry_out_waiting()
             port, _ = self._port_state(key.instance, key.port)
             if port is None or self._components[key.instance].component.silent:
                 self._refused.pop(key, None)
                 continue
             refused = self._refused.get(key)
             is_refused = refused is not None and refused._is_equivalent(port.port_ref)
-            if is_refused or key.instance in failed or self._closing.is_set():
+            if is_refused or key.instance in failed or self._thread.is_closing:
                 continue
             try:
                 self._taps.listen(key, port, take)

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import queue
-import threading
-import time
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
 from functools import partial
@@ -25,6 +22,7 @@ from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind, PortKind
 from rtgen.ui.remote_state import RemoteState
+from rtgen.ui.request_thread import RequestThread
 from rtgen.ui.watching import Key, Take
 
 if TYPE_CHECKING:
@@ -33,7 +31,6 @@ if TYPE_CHECKING:
 
 _PERIOD: Final = 0.5
 """The time between two queries of all components [s]."""
-_MAX_WAITING: Final = 256
 _STATES: Final = {
     "CREATED_STATE": ui.State.STATE_CREATED,
     "INACTIVE_STATE": ui.State.STATE_INACTIVE,
@@ -72,37 +69,22 @@ class PeersWatcher:
         self._data_type = data_type
         self._publish = publish
         self._report = report
-        self._period = period
         self._components: dict[str, ui.Component] = {}
         self._descriptions: dict[str, Description] = {}
         self._published = RemoteState()
         self._takers: Mapping[Key, Take] = {}
         self._listened: Mapping[Key, Take] = self._takers
         self._taps: dict[Key, Subscription] = {}
-        self._requests: queue.Queue[Callable[[], None]] = queue.Queue(_MAX_WAITING)
-        self._closing = threading.Event()
-        self._thread = threading.Thread(
-            target=self._run, name="rtgen-ui-peers", daemon=True
-        )
+        self._thread = RequestThread("rtgen-ui-peers", period, self._poll, self._settle)
+        self.submit = self._thread.submit
         self._thread.start()
 
     def close(self) -> None:
         """Stop watching; waits for a call in progress. States stay as they are."""
-        self._closing.set()
-        with suppress(queue.Full):
-            self._requests.put_nowait(lambda: None)
-        self._thread.join()
+        self._thread.close()
         for tap in self._taps.values():
             tap.close()
         self._transport.close()
-
-    def submit(self, request: Callable[[], None]) -> bool:
-        """Queue a request, which must not raise; return False if too many wait."""
-        try:
-            self._requests.put_nowait(request)
-        except queue.Full:
-            return False
-        return True
 
     def watch(self, takers: Mapping[Key, Take]) -> None:
         """Receive the samples of only these OutPorts from now on; from any thread."""
@@ -111,32 +93,17 @@ class PeersWatcher:
 
     # Queries.
 
-    def _run(self) -> None:
-        while not self._closing.is_set():
-            next_round = time.monotonic() + self._period
-            present = self._peers.instances
-            for instance in [*self._components]:
-                if instance not in present:
-                    self._lose(instance)
-            for instance in present:
-                self._carry_out_waiting()
-                if self._closing.is_set():
-                    return
-                self._query(instance)
-            self._settle()
-            while (remaining := next_round - time.monotonic()) > 0:
-                try:
-                    self._requests.get(timeout=remaining)()
-                except queue.Empty:
-                    break
-                if self._closing.is_set():
-                    return
-                self._settle()
-
-    def _carry_out_waiting(self) -> None:
-        with suppress(queue.Empty):
-            while not self._closing.is_set():
-                self._requests.get_nowait()()
+    def _poll(self) -> None:
+        present = self._peers.instances
+        for instance in [*self._components]:
+            if instance not in present:
+                self._lose(instance)
+        for instance in present:
+            self._thread.carry_out_waiting()
+            if self._thread.is_closing:
+                return
+            self._query(instance)
+        self._settle()
 
     def _lose(self, instance: str) -> None:
         silent = "its process has ended, or cannot be reached"

@@ -12,6 +12,7 @@ from rtgen.compiler.model.declarations import ConstantValue, Declaration, Docume
 from rtgen.compiler.model.profile_elements import ProfileElement
 from rtgen.compiler.model.spelling import Unspelled
 from rtgen.compiler.model.types import ScopedName, Type
+from rtgen.facts.activities import kind_of_context
 from rtgen.facts.adapter_constants import AdapterConstant
 
 NO_DATE = "1970-01-01T00:00:00+00:00"
@@ -113,7 +114,7 @@ class Component(Declaration, frozen=True, kw_only=True):
     @property
     def context_kind(self) -> str:
         """The kind of its own execution context (OMG RTC 1.0, `ExecutionKind`)."""
-        return "EVENT_DRIVEN" if self.activity == "EVENTDRIVEN" else "PERIODIC"
+        return kind_of_context(self.activity)
 
     @property
     def registered_activity(self) -> str:
@@ -158,10 +159,6 @@ class Adapter(msgspec.Struct, frozen=True, kw_only=True):
     stamps: bool = False
     constants: tuple[tuple[tuple[str, ...], AdapterConstant], ...] = ()
     scales: tuple[tuple[tuple[str, ...], float, float], ...] = ()
-
-
-EVENT_DRIVEN = "EVENTDRIVEN"
-"""The activity of components that samples execute."""
 
 
 class SystemComponent(Unspelled, frozen=True, eq=False, kw_only=True):

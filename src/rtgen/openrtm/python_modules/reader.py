@@ -10,10 +10,10 @@ from pathlib import Path
 from rtgen.compiler.diagnostics import Diagnostic, Rule, Span
 from rtgen.compiler.frontends.profiles import profile_tree
 from rtgen.compiler.frontends.profiles.rtc_profile.names import (
-    ACTIVITY_TYPES,
     COMPONENT_TYPES,
 )
 from rtgen.compiler.model.rtc_profile import ProfileParameter, RtcProfile
+from rtgen.facts.activities import ACTIVITIES
 from rtgen.facts.constraints import ConstraintError, parse
 from rtgen.openrtm.python_modules import rules
 from rtgen.openrtm.python_modules.modules import Modules
@@ -111,7 +111,7 @@ class ModuleReader:
             description=values.get("description", ""),
             doc=_own_text(ast.get_docstring(class_.node)),
             component_type=kind if kind in COMPONENT_TYPES else "STATIC",
-            activity=kind if kind in ACTIVITY_TYPES else "PERIODIC",
+            activity=kind if kind in ACTIVITIES else "PERIODIC",
             kind="DataFlowComponent",
             execution=values.get("exec_cxt.periodic.type", "PeriodicExecutionContext"),
             rate=_positive(values.get("exec_cxt.periodic.rate", "")),

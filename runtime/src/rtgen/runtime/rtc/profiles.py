@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
+from rtgen.facts.activities import kind_of_context
 from rtgen.runtime.return_codes import ExecutionKind
 
 
@@ -72,5 +73,4 @@ class ComponentProfile(msgspec.Struct, frozen=True, gc=False):
     @property
     def kind_of_context(self) -> ExecutionKind:
         """The kind of a component's own context."""
-        is_event_driven = self.activity == "EVENTDRIVEN"
-        return ExecutionKind.EVENT_DRIVEN if is_event_driven else ExecutionKind.PERIODIC
+        return ExecutionKind[kind_of_context(self.activity)]

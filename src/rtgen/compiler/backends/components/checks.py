@@ -35,12 +35,12 @@ from rtgen.compiler.typemap.components.widgets import (
 )
 from rtgen.compiler.typemap.profiles.dates import is_date
 from rtgen.compiler.typemap.python.names import module_name
+from rtgen.facts.activities import ACTIVITIES
 from rtgen.facts.constraints import ConstraintError, is_enumeration, is_range, text_of
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,119}")
 _VERSION = re.compile(r"[^\s:]+")
 _BREAKS_ID = re.compile(r"[:\r\n\t]")
-_ACTIVITIES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
 _COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
 _KINDS = (
     *("DataFlowComponent", "FiniteStateMachine", "DataFlowFiniteStateMachine"),
@@ -143,7 +143,7 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
                 rules.DATE, f"`{key}` is {date!r}, which is not an xsd:dateTime", hint
             )
     for key, value, choices in (
-        ("activity", component.activity, _ACTIVITIES),
+        ("activity", component.activity, ACTIVITIES),
         ("component type", component.component_type, _COMPONENT_TYPES),
     ):
         if value not in choices:

@@ -32,9 +32,9 @@ from rtgen.compiler.model import (
     StringType,
     Struct,
 )
-from rtgen.compiler.model.components import EVENT_DRIVEN
 from rtgen.compiler.typemap.python.idl_names import PythonNames, package_path
 from rtgen.compiler.typemap.python.names import identifier
+from rtgen.facts.activities import EVENT_DRIVEN
 
 _HELPERS = (*("Numbers", "Values", "bounded", "copy_array", "copy_items", "exactly"),)
 """Names imported with a leading `_`, which names of definitions never have."""

@@ -12,7 +12,6 @@ from typing import Any
 from msgspec.structs import replace
 
 from rtgen.compiler.backends.components.locations import summary
-from rtgen.compiler.frontends.profiles.rtc_profile.names import ACTIVITY_TYPES
 from rtgen.compiler.model import (
     Component,
     ConfigurationParameter,
@@ -22,9 +21,9 @@ from rtgen.compiler.model import (
     Port,
     PortKind,
 )
-from rtgen.compiler.model.components import EVENT_DRIVEN
 from rtgen.compiler.model.rtc_profile import EVENT_PORT
 from rtgen.compiler.typemap.components.parameters import Parameters
+from rtgen.facts.activities import ACTIVITIES, EVENT_DRIVEN
 from rtgen.facts.constraints import parse, text_of
 from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, known_name, registered_names
 from rtgen.runtime.errors import ParameterValueError
@@ -178,7 +177,7 @@ class Expected:
         """Return how a definition says the text of a property; empty if it cannot."""
         if name == "max_instance":
             says = f"max_instances={text}" if text.isdecimal() else ""
-        elif text in ACTIVITY_TYPES:
+        elif text in ACTIVITIES:
             says = f'activity="{text}"'
         else:
             says = f'activity_type="{text}"' if _PLAIN.fullmatch(text) else ""

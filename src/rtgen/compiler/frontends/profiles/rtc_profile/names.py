@@ -7,6 +7,5 @@ RTC_DOC = "http://www.openrtp.org/namespaces/rtc_doc"
 RTC_EXT = "http://www.openrtp.org/namespaces/rtc_ext"
 
 COMPONENT_TYPES = ("STATIC", "UNIQUE", "COMMUTATIVE")
-ACTIVITY_TYPES = ("PERIODIC", "SPORADIC", "EVENTDRIVEN")
 WIDGET = "__widget__"
 """The property of a parameter with the name of its widget."""

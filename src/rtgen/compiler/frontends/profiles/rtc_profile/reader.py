@@ -14,7 +14,6 @@ from rtgen.compiler.frontends.profiles.rtc_profile.constraints import (
     constraint,
 )
 from rtgen.compiler.frontends.profiles.rtc_profile.names import (
-    ACTIVITY_TYPES,
     COMPONENT_TYPES,
     RTC,
     RTC_DOC,
@@ -40,6 +39,7 @@ from rtgen.compiler.typemap.profiles.facts import (
     checked,
     facts_from,
 )
+from rtgen.facts.activities import ACTIVITIES, EVENT_DRIVEN
 from rtgen.facts.constraints import Constraint
 
 VERSIONS = ("0.1", "0.2", "0.3")
@@ -184,8 +184,8 @@ class Reader:
 
     def _activity(self, info: Element) -> str:
         if self._get(info, "activityType") == "EVENT_DRIVEN":
-            return "EVENTDRIVEN"
-        return self._word(info, "activityType", ACTIVITY_TYPES, "PERIODIC")
+            return EVENT_DRIVEN
+        return self._word(info, "activityType", ACTIVITIES, "PERIODIC")
 
     def _rate(self, info: Element) -> float | None:
         text = self._get(info, "executionRate").strip()
