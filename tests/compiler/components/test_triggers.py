@@ -71,3 +71,19 @@ def test_a_port_that_is_not_there_is_an_error(
     message = capfd.readouterr().err
     assert message.count("RTC0105") == 2
     assert "did you mean goal? InPorts: scan, goal, aside" in message
+
+
+@pytest.mark.parametrize("activity", ["PERIODIC", "SPORADIC"])
+def test_triggers_of_another_activity_are_an_error(
+    activity: str,
+    tmp_path: Path,
+    capfd: pytest.CaptureFixture[str],
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    text = IDL.format(triggers="scan").replace("EVENTDRIVEN", activity)
+    (tmp_path / "Fusion.idl").write_text(text, encoding="utf-8")
+    assert run(["generate", "Fusion.idl", "-q"]) == 2
+    message = capfd.readouterr().err
+    assert f"RTC0105]: `triggers` has no effect: the activity is {activity}" in message
+    assert 'hint: write activity="EVENTDRIVEN"' in message

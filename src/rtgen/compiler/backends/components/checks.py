@@ -35,7 +35,7 @@ from rtgen.compiler.typemap.components.widgets import (
 )
 from rtgen.compiler.typemap.profiles.dates import is_date
 from rtgen.compiler.typemap.python.names import module_name
-from rtgen.facts.activities import ACTIVITIES
+from rtgen.facts.activities import ACTIVITIES, EVENT_DRIVEN
 from rtgen.facts.constraints import ConstraintError, is_enumeration, is_range, text_of
 
 _IDENTIFIER = re.compile(r"[A-Za-z][A-Za-z0-9_]{0,119}")
@@ -159,6 +159,11 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
             known = ", ".join(in_ports) or "none"
             hint = f"did you mean {near}? " * bool(near) + f"InPorts: {known}"
             yield finding(rules.CHOICE, f"`triggers` names no InPort {port!r}", hint)
+    if component.trigger_ports and component.activity in set(ACTIVITIES) - {
+        EVENT_DRIVEN
+    }:
+        message = f"`triggers` has no effect: the activity is {component.activity}"
+        yield finding(rules.CHOICE, message, f'write activity="{EVENT_DRIVEN}"')
     usual: tuple[tuple[str, str, Sequence[str]], ...] = (
         ("kind", component.kind, _KINDS),
         ("kind of execution context", component.execution, _CONTEXTS),
