@@ -232,9 +232,11 @@ speed: $(VENV)/test.stamp
 pictures: page
 	RTGEN_PICTURES=yes $(BIN)/pytest -q tests/ui/application/test_page_gallery.py
 
-bench: SCRIPTS ?= benchmarks/*.py
+# Measures, stores the results, and makes the tables of docs/speed.md of them.
+bench: SCRIPTS ?= $(shell grep -l "Arguments(__doc__" benchmarks/*.py)
 bench: $(VENV)/bench.stamp
-	for script in $(SCRIPTS); do $(OPENRTM) $(BIN)/python $$script || exit 1; done
+	for script in $(SCRIPTS); do $(OPENRTM) $(BIN)/python $$script --store || exit 1; done
+	$(BIN)/python benchmarks/page.py
 
 format: $(VENV)/test.stamp
 	$(BIN)/black --quiet $(CHECKED)

@@ -20,6 +20,8 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
+from tables import Arguments, Results, Table
+
 LINES = 5000
 ROUNDS = 25
 LIMIT = 0.1
@@ -176,8 +178,8 @@ class Session:
         }
 
 
-def measured(folder: Path) -> bool:
-    """Measure and print all requests; return whether all are within the limit."""
+def measured(folder: Path, rounds: int, table: Table) -> bool:
+    """Measure all requests, also the findings; return whether all are within the limit."""
     path = folder / "large.idl"
     text = definitions(LINES)
     path.write_text(text, encoding="utf-8")
@@ -189,22 +191,20 @@ def measured(folder: Path) -> bool:
     client.notify("initialized", {})
     session = Session(client, path, text)
     client.findings(session.version)
-    print(f"{LINES:,} lines of IDL, {ROUNDS} edits for each request; milliseconds")
-    print(f"{'request':<28}{'median':>8}{'most':>8}")
     medians, analyses = [], []
 
     def show(name: str, seconds: list[float]) -> None:
         median = statistics.median(seconds)
-        print(f"{name:<28}{1000 * median:>8.1f}{1000 * max(seconds):>8.1f}")
+        table.add(name, 1000 * median, 1000 * max(seconds))
 
     for name in session.requests(0):
         seconds = []
-        for number in range(ROUNDS):
+        for number in range(rounds):
             method, parameters = session.requests(session.edit())[name]
             begun = time.perf_counter()
             client.ask(method, parameters)
             seconds.append(time.perf_counter() - begun)
-            if number % 5 == 4:
+            if number % 5 == 4 or number + 1 == rounds:
                 client.findings(session.version)
                 analyses.append(time.perf_counter() - begun)
         show(name, seconds)
@@ -216,10 +216,13 @@ def measured(folder: Path) -> bool:
 
 def main() -> None:
     """Return 1 if a median is above the limit."""
-    with tempfile.TemporaryDirectory() as folder:
-        fine = measured(Path(folder))
+    chosen = Arguments(__doc__, rounds=ROUNDS).parse_args()
+    with Results(__file__, chosen) as results, tempfile.TemporaryDirectory() as folder:
+        columns = ("median [ms]", ".1f"), ("most [ms]", ".1f")
+        table = results.table("requests", f"{LINES:,} lines of IDL", *columns)
+        fine = measured(Path(folder), chosen.rounds, table)
     print(f"each median at most {1000 * LIMIT:.0f} ms: {'yes' if fine else 'no'}")
-    sys.exit(not fine)
+    sys.exit(not fine and not chosen.smallest)
 
 
 if __name__ == "__main__":

@@ -29,9 +29,12 @@ from typing import Any
 
 import can
 import canopen
+from tables import Arguments, Results
 
 from rtgen.cli import run
-from rtgen.compiler.backends.canopen.pdo_codec import IMPORTS, PdoCodec, codecs_text
+from rtgen.compiler.backends.canopen.pdo_codec import Codecs, PdoCodec
+from rtgen.compiler.backends.kit.python_module import python_module
+from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.layouts.pdo import Mapped, layout
 from rtgen.compiler.model.canopen import DataType
 from rtgen.runtime import (
@@ -43,7 +46,6 @@ from rtgen.runtime import (
     System,
 )
 
-ROUNDS = 25
 SECONDS_PER_ROUND = 0.004
 MAPPINGS: dict[str, tuple[list[Mapped], tuple[int, ...]]] = {
     "four INTEGER16": (
@@ -63,9 +65,9 @@ MAPPINGS: dict[str, tuple[list[Mapped], tuple[int, ...]]] = {
 def ours(mapped: Sequence[Mapped], values: tuple[int, ...]) -> list[Callable[[], Any]]:
     """Return encoding and decoding with the generated codec."""
     module = ModuleType("codec")
-    imports = "".join(f"from {home} import {name}\n" for home, name in IMPORTS)
     codecs = [PdoCodec("tpdo1", "TPDO 1", layout(mapped))]
-    text = imports + codecs_text(codecs, codecs)
+    body = render("canopen/pdo_codecs.py.j2", codecs=Codecs(codecs, codecs))
+    text = python_module("codec.py", "codec", "1", (), "Codecs.", body=body).text
     exec(compile(text, "codec", "exec"), module.__dict__)
     encode, decode = module.encode_tpdo1, module.decode_tpdo1
     data = encode(*values)
@@ -113,7 +115,6 @@ FRAMES = 20_000
 CHUNK = 1_000
 CHUNKS_AHEAD = 3
 """Chunks that may be under way: fewer frames than a proxy's queue holds, so none is lost."""
-READ_ROUNDS = 7
 TIMEOUT = 10.0
 """Time-out of all steps [s]."""
 
@@ -260,35 +261,32 @@ def wait(system: System, until: Callable[[], bool], proxy: Component) -> None:
         system.run(system.time + 5_000_000)
 
 
-def reading() -> None:
-    """Return frames per second, bare and through a proxy."""
-    # python-can warns whenever a frame arrives in two pieces.
-    logging.getLogger("can").setLevel(logging.ERROR)
-    with tempfile.TemporaryDirectory() as folder, peer() as (port, send):
-        type_ = generated(Path(folder))
-        rounds = [
-            (bare(port, send), proxied(type_("meter"), port, send))
-            for _ in range(READ_ROUNDS)
-        ]
-    plain, through = (statistics.median(r[side] for r in rounds) for side in (0, 1))
-    print()
-    print(f"{'':<32}{'recv [1/s]':>14}{'proxy [1/s]':>14}{'ratio':>8}")
-    name = "frames over socketcand"
-    print(f"{name:<32}{plain:>14,.0f}{through:>14,.0f}{through / plain:>8.2f}")
-
-
 def main() -> None:
-    print(f"{'mapping':<32}{'':<8}{'ours [ns]':>10}{'canopen [ns]':>14}{'ratio':>8}")
-    for name, (mapped, values) in MAPPINGS.items():
-        tasks = zip(ours(mapped, values), theirs(mapped, values), strict=True)
-        for what, pair in zip(("encode", "decode"), tasks, strict=True):
-            rounds = [[seconds_per_call(task) for task in pair] for _ in range(ROUNDS)]
-            mine, other = (
-                statistics.median(r[side] for r in rounds) for side in (0, 1)
-            )
-            figures = f"{mine * 1e9:>10.0f}{other * 1e9:>14.0f}{other / mine:>8.1f}"
-            print(f"{name:<32}{what:<8}{figures}")
-    reading()
+    """Print times of coding, then frames per second, bare and through a proxy."""
+    chosen = Arguments(__doc__, rounds=7).parse_args()
+    with Results(__file__, chosen) as results:
+        figures = ("rtgen [ns]", ".0f"), ("canopen [ns]", ".0f"), ("ratio", ".1f")
+        table = results.table("codecs", "mapping", *figures)
+        for name, (mapped, values) in MAPPINGS.items():
+            tasks = zip(ours(mapped, values), theirs(mapped, values), strict=True)
+            for what, pair in zip(("encode", "decode"), tasks, strict=True):
+                rounds = [
+                    [*map(seconds_per_call, pair)] for _ in range(4 * chosen.rounds)
+                ]
+                mine, other = map(statistics.median, zip(*rounds, strict=True))
+                table.add(f"{name}, {what}", mine * 1e9, other * 1e9, other / mine)
+        rates = ("recv [1/s]", ",.0f"), ("proxy [1/s]", ",.0f"), ("ratio", ".2f")
+        table = results.table("frames", "frames over", *rates)
+        # python-can warns whenever a frame arrives in two pieces.
+        logging.getLogger("can").setLevel(logging.ERROR)
+        with tempfile.TemporaryDirectory() as folder, peer() as (port, send):
+            type_ = generated(Path(folder))
+            rounds = [
+                [bare(port, send), proxied(type_("meter"), port, send)]
+                for _ in range(chosen.rounds)
+            ]
+        plain, through = map(statistics.median, zip(*rounds, strict=True))
+        table.add("socketcand", plain, through, through / plain)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Real time: what a tick costs, which are lost, and how exact they are, beside a bare loop.
 
-    python benchmarks/realtime.py [--rounds N] [--seconds S] [--smallest]
+    python benchmarks/realtime.py [--seconds S]
 
 1 to 1,000 components that do nothing, at 10 Hz to 1 kHz, each case in a process of its own:
 `shared`, rtgen; `own`, rtgen with a thread for each component; `relays`, rtgen with a chain of
@@ -13,21 +13,13 @@ how far the intervals between the ticks of one component are from its period (me
 
 from __future__ import annotations
 
-import argparse
-import importlib.util
-import json
-import os
 import statistics
-import subprocess
-import sys
-from collections.abc import Iterator
 from pathlib import Path
-from typing import NamedTuple
 
-HERE = Path(__file__).parent
-sys.path.insert(0, str(HERE.parent / "tests"))
+from kinds import of_openrtm, of_rclpy, of_rtgen
+from tables import Arguments, Results
 
-ENDS = HERE / "realtime_ends.py"
+ENDS = Path(__file__).with_name("realtime_ends.py")
 CASES = (
     (1, 10),
     (1, 1000),
@@ -40,91 +32,45 @@ CASES = (
 SMALLEST = ((1, 100), (3, 100))
 FEW = 100
 """Number of components above which kinds with a thread for each are left out."""
-
-
-class Figures(NamedTuple):
-    """Those of one round: `core` and `lost` as parts, times in microseconds."""
-
-    core: float
-    tick: float
-    lost: float
-    jitter: float
-    worst: float
-    late: float
-
-
-def kinds(*, smallest: bool) -> Iterator[tuple[str, str, dict[str, str]]]:
-    """Yield the kinds that can be measured, with their interpreters and environments."""
-    environment = dict(os.environ)
-    for kind in ("shared", "own", "relays", "loop"):
-        yield kind, sys.executable, environment
-    if smallest:
-        return
-    from media import own_domain
-    from ros2_peers import DISTRIBUTIONS, make
-
-    ros2 = make(DISTRIBUTIONS[0])
-    if isinstance(ros2, str):
-        print(f"rclpy is left out: {ros2}")
-    else:
-        yield "rclpy", ros2.python, ros2.environment(own_domain())
-    if importlib.util.find_spec("OpenRTM_aist") is None:
-        print("openrtm is left out: OpenRTM_aist is not installed")
-    else:
-        yield "openrtm", sys.executable, environment
-
-
-def measured(
-    kind: str,
-    python: str,
-    environment: dict[str, str],
-    case: tuple[int, int],
-    seconds: float,
-) -> Figures:
-    """Run one kind once."""
-    command = [python, str(ENDS), kind, *map(str, case), str(seconds)]
-    done = subprocess.run(
-        command,
-        env=environment,
-        stdout=subprocess.PIPE,
-        text=True,
-        check=True,
-        timeout=600,
-    )
-    return Figures(**json.loads(done.stdout.splitlines()[-1]))
+COLUMNS = ("core", "tick", "lost", "jitter", "worst", "late")
+"""Figures of one round: `core` and `lost` as parts, times in microseconds."""
 
 
 def main() -> None:
     """Print a table of all cases."""
-    parser = argparse.ArgumentParser(description=__doc__.partition("\n")[0])
-    parser.add_argument("--rounds", type=int, default=3)
+    parser = Arguments(__doc__, rounds=3)
     parser.add_argument("--seconds", type=float, default=3.0)
-    parser.add_argument(
-        "--smallest", action="store_true", help="one short round, without peers"
-    )
-    options = parser.parse_args()
-    if options.smallest:
-        options.rounds, options.seconds = 1, 0.2
-    every = list(kinds(smallest=options.smallest))
-    print(
-        "components    Hz  kind      core  us/tick   lost  jitter  99 % [us]  end late [ms]"
-    )
-    for case in SMALLEST if options.smallest else CASES:
-        taken = [k for k in every if case[0] <= FEW or k[0] not in ("own", "openrtm")]
-        rounds: dict[str, list[Figures]] = {kind: [] for kind, _, _ in taken}
-        for _ in range(options.rounds):
-            for kind, python, environment in taken:
-                rounds[kind].append(
-                    measured(kind, python, environment, case, options.seconds)
+    chosen = parser.parse_args()
+    kinds = [*of_rtgen("shared", "own", "relays", "loop")]
+    if chosen.smallest:
+        chosen.seconds = 0.2
+    else:
+        kinds += [*of_rclpy(), *of_openrtm()]
+    with Results(__file__, chosen) as results:
+        table = results.table(
+            "ticks",
+            "components, rate, kind",
+            ("of a core", ".1%"),
+            ("µs a tick", ".2f"),
+            ("lost", ".1%"),
+            ("jitter, median [µs]", ".0f"),
+            ("99 % [µs]", ".0f"),
+            ("end late [ms]", ".1f"),
+        )
+        for count, rate in SMALLEST if chosen.smallest else CASES:
+            taken = [
+                k for k in kinds if count <= FEW or k.name not in ("own", "openrtm")
+            ]
+            rounds = [
+                [k.figures(ENDS, count, rate, chosen.seconds) for k in taken]
+                for _ in range(chosen.rounds)
+            ]
+            for kind, each in zip(taken, zip(*rounds, strict=True), strict=True):
+                *figures, late = (
+                    statistics.median(one[column] for one in each) for column in COLUMNS
                 )
-        for kind, figures in rounds.items():
-            core, tick, lost, jitter, worst, late = map(
-                statistics.median, zip(*figures, strict=True)
-            )
-            print(
-                f"{case[0]:10} {case[1]:5}  {kind:7} {core:6.1%} {tick:8.2f} {lost:6.1%}"
-                f" {jitter:7.0f} {worst:10.0f} {late / 1000:14.1f}"
-            )
+                title = f"{count:,} at {rate:,} Hz, {kind.name}"
+                table.add(title, *figures, late / 1000)
 
 
 if __name__ == "__main__":

@@ -25,9 +25,9 @@ from tempfile import TemporaryFile
 from typing import Any
 
 import msgspec
+from tables import Arguments, Results
 
 ROOT = Path(__file__).resolve().parent.parent
-ROUNDS = 9
 PACKAGE = "refrobots"
 STOCK = [
     f"{PACKAGE}._idl.{name}"
@@ -170,14 +170,18 @@ def cold(folder: Path) -> dict[str, str]:
 
 def main() -> None:
     """Print medians, least values, memory and ratios."""
+    chosen = Arguments(__doc__, rounds=9).parse_args()
     # Without bytecode most of a start would be Python's compiler.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     os.chdir(ROOT)
     sys.path.insert(0, "generated")
-    with tempfile.TemporaryDirectory() as temporary:
+    with (
+        Results(__file__, chosen) as results,
+        tempfile.TemporaryDirectory() as temporary,
+    ):
         folder = Path(temporary)
         measured = commands(folder)
-        for number in range(-1, ROUNDS):  # the first round creates cache and bytecode
+        for number in range(-1, chosen.rounds):  # the first creates cache and bytecode
             for name, each in measured.items():
                 environment = cold(folder) if name.startswith(COLD) else {}
                 if name == UNCOMPILED:
@@ -187,23 +191,28 @@ def main() -> None:
                     each.peak = 0.0
                 else:
                     each.seconds.append(seconds)
-    least = {name: min(each.seconds) for name, each in measured.items()}
-    print(f"Python {sys.version.split()[0]}, processor time, {ROUNDS} runs each")
-    print(f"{'':<48}{'median':>10}{'least':>10}{'peak':>8}")
-    for name, each in measured.items():
-        print(
-            f"{name:<48}{1e3 * statistics.median(each.seconds):>7.1f} ms"
-            f"{1e3 * least[name]:>7.1f} ms{each.peak:>5.0f} MB{_verdict(name, least)}"
+        least = {name: min(each.seconds) for name, each in measured.items()}
+        table = results.table(
+            "processes",
+            "processor time",
+            ("median [ms]", ".1f"),
+            ("least [ms]", ".1f"),
+            ("memory [MB]", ".0f"),
+            "limit",
         )
+        for name, each in measured.items():
+            median = statistics.median(each.seconds)
+            verdict = _verdict(name, least)
+            table.add(name, 1e3 * median, 1e3 * least[name], each.peak, verdict)
 
 
 def _verdict(name: str, least: Mapping[str, float]) -> str:
     if name in SECONDS:
-        return f"  at most {1e3 * SECONDS[name]:.0f} ms"
+        return f"at most {1e3 * SECONDS[name]:.0f} ms"
     if name in LIMITS:
         yardstick, most = LIMITS[name]
         ratio = least[name] / least[yardstick]
-        return f"  {ratio:.2f} times {yardstick}, at most {most:g}"
+        return f"{ratio:.2f} times {yardstick}, at most {most:g}"
     return ""
 
 
