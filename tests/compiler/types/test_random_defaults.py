@@ -257,12 +257,12 @@ def test_forms_of_the_page(drawn: Definitions, classes: dict[str, Any]) -> None:
 
 
 def _without_discriminators(value: Any) -> Any:
-    """Return a value as a form gives it: the branch stands for its first label."""
+    """Return a value as a form gives it: a branch stands for its first label, if it has one."""
     if isinstance(value, dict):
         return {
             name: _without_discriminators(part)
             for name, part in value.items()
-            if name != "discriminator" or "case" not in value
+            if name != "discriminator" or value.get("case", "other") == "other"
         }
     if isinstance(value, list):
         return [_without_discriminators(part) for part in value]
