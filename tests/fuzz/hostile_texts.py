@@ -94,10 +94,12 @@ ALL = (
 class Texts:
     """Draws texts for the places of definitions; `used` are those that outputs must keep.
 
-    `count` is the number of texts drawn.
+    `count` is the number of texts drawn. Harmless ones are in brackets, as units are, where those
+    of the same number are and `bracketed` is true.
     """
 
-    def __init__(self, number: int, *, hostile: bool) -> None:
+    def __init__(self, number: int, *, hostile: bool, bracketed: bool = False) -> None:
+        self._bracketed = bracketed
         self._chance = Random(number)
         self._hostile = hostile
         self._odd = self._chance.random() < 0.1
@@ -120,8 +122,6 @@ class Texts:
         """
         self.count += 1
         drawn = self._chance.choice(ALL)
-        if not self._hostile:
-            return f"twin{self.count}"
         text = drawn.replace(MARK, f"{MARK}{self.count}", 1)
         if self._chance.random() < 0.2:
             text += self._chance.choice(ALL)
@@ -134,6 +134,9 @@ class Texts:
             text = "".join(c for c in text if c >= " " or c in "\t\n\r")
         if one_line:
             text = " ".join(text.splitlines()).strip()
+        if not self._hostile:
+            is_unit = self._bracketed and text[:1] == "[" and text[-1:] == "]"
+            return f"[twin{self.count}]" if is_unit else f"twin{self.count}"
         if keep and (text.isprintable() or not (printable and self._odd)):
             self.used.append(text)
         return text
