@@ -121,6 +121,14 @@ def test_the_map_follows_a_body(page: Any, area: Any) -> None:
     until(page, lambda: distance() > 0.05)
 
 
+COUNTED_WHEELS = "() => { wheels = 0; addEventListener('wheel', () => wheels++); }"
+
+
+def numbers(words: Any) -> list[float]:
+    """Return the coordinates that the page says."""
+    return [*map(float, re.findall(r"-?\d+\.\d+", words.inner_text()))]
+
+
 def test_the_wheel_zooms_around_the_mouse(page: Any, area: Any) -> None:
     box = area.bounding_box()
     x, y = round(box["x"]) + 60, round(box["y"]) + 60
@@ -128,11 +136,16 @@ def test_the_wheel_zooms_around_the_mouse(page: Any, area: Any) -> None:
     page.mouse.move(x, y)
     page.evaluate(DRAWN_AGAIN)
     before, scale = at.inner_text(), area.get_attribute("aria-label")
-    assert before
+    numbers_before = numbers(at)
+    assert len(numbers_before) == 2
+    page.evaluate(COUNTED_WHEELS)
     for _ in range(4):
         page.mouse.wheel(0, -400)
+    # The mouse shall not move on before the last of them.
+    until(page, lambda: page.evaluate("wheels") == 4)
     until(page, lambda: area.get_attribute("aria-label") != scale)
     page.mouse.move(x + 1, y)
     until(page, lambda: at.inner_text() != before)
     page.mouse.move(x, y)
-    until(page, lambda: at.inner_text() == before)
+    # To the last of three decimals, which a number halfway between two may have either way.
+    until(page, lambda: numbers(at) == pytest.approx(numbers_before, abs=0.0011))
