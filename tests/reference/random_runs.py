@@ -148,11 +148,15 @@ class _Watch:
         self._written: dict[str, int] = {}
         self._told_to_stop = False
         self._delivered = dict.fromkeys(self._links, 0)
-        self._sources = {
-            name: str(connector.source)
+        connectors = {
+            name: connector
             for name in self._links
             for connector in [system.connector(name)]
             if isinstance(connector, DataConnector)
+        }
+        self._sources = {name: str(c.source) for name, c in connectors.items()}
+        self._readers = {
+            name: str(c.target).partition(".")[0] for name, c in connectors.items()
         }
         self.cut: set[str] = set()
         self.still_since = 0
@@ -191,7 +195,9 @@ class _Watch:
         if moving:
             self.still_since = now
         for name, slack in self._links.items():
-            if name not in self.cut:
+            # A reader that was switched off has no data to go by, and none that gets old.
+            off = system.state(self._readers[name]) is INACTIVE_STATE
+            if off or name not in self.cut:
                 self._delivered[name] = self._written[self._sources[name]]
             if name.startswith("Navigation0.path_") and self._told_to_stop:
                 slack = BRAKING
