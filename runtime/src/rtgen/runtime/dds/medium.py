@@ -59,11 +59,13 @@ _DATAGRAMS = (
 )
 """As large as loopback carries; a network would divide them, and not every system sends them."""
 _RESENT = """<MaxQueuedRexmitBytes>4 MB</MaxQueuedRexmitBytes>
-<BurstSize><MaxRexmit>4 MB</MaxRexmit></BurstSize><NackDelay>1ms</NackDelay>"""
+<BurstSize><MaxRexmit>4 MB</MaxRexmit></BurstSize><NackDelay>1ms</NackDelay>
+<HeartbeatInterval min="5ms" minsched="5ms" max="8s">10ms</HeartbeatInterval>"""
 """What a reader missed is asked for at once, and sent again in one go.
 
 Large datagrams overflow the receive buffer of a Fast DDS reader, 208 KiB by default, which asks
-every 5 ms: with Cyclone's 512 kB each answer, half a message of 10 MB took ten rounds.
+every 5 ms: with Cyclone's 512 kB each answer, half a message of 10 MB took ten rounds. It asks when
+a heartbeat tells it of the message: if that one is lost too, the next came after 100 ms.
 """
 _COMPATIBILITY = (
     "<Compatibility><IgnoreTypeInformation>1.15</IgnoreTypeInformation></Compatibility>"
