@@ -53,8 +53,8 @@ gallery: $(VENV)/test.stamp
 test: $(VENV)/uv.stamp
 	$(MAKE) --no-print-directory -j 4 pytest waits $(if $(WING),,lint types imports drift)
 
-# What takes longer: tests marked `nightly`, the random tests with more inputs, drawn by another seed (of
-# the commit; RTGEN_SEED=N sets one), the fast tests on a further interpreter with the coverage of lines,
+# What takes longer: tests marked `nightly`, the random tests with more inputs, drawn by the seed of the
+# commit (RTGEN_SEED=N sets another), the fast tests on a further interpreter with the coverage of lines,
 # and what a release consists of.
 nightly: export RTGEN_SEED ?= $(shell $(PYTHON) tests/seeds.py)
 nightly: export RTGEN_BUDGET ?= 0.4
@@ -183,7 +183,7 @@ FRAGMENTS = $(wildcard changelog.d/*.md)
 # each), guided by coverage; `TOTAL=1000000` passes it that number of inputs, faster and without coverage;
 # `TYPES=2000` checks the packages generated from that number of accepted inputs. Without DOOR:
 # The random tests with thirty times their inputs, others each time: `make fuzz RTGEN_SEED=7` repeats them.
-# Those of `make test` are drawn by the commit; `make test RTGEN_SEED=7` by another seed.
+# Those of `make test` are the same each time; `make test RTGEN_SEED=7` draws others.
 fuzz: SECONDS ?= 60
 fuzz: export RTGEN_SEED ?= $(shell date +%s)
 fuzz: export RTGEN_BUDGET ?= 30

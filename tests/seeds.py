@@ -1,10 +1,10 @@
 """Seed and budget of the random tests of this run.
 
-The seed of `make test` depends on the commit: another commit draws other inputs, a second run of
-the same commit the same ones; `make fuzz` draws others each time. `RTGEN_SEED` sets one, for
-example that of a failed run, which pytest prints in its header. `RTGEN_BUDGET` multiplies the
-numbers of drawn inputs that tests state, by default 0.2; `make nightly` takes 0.4, the workflow 5
-each night, `make fuzz` 30.
+`make test` draws the same inputs each time, so that what fails is due to a change. `make nightly`
+draws by a seed that depends on the commit, `make fuzz` other inputs each time. `RTGEN_SEED` sets
+a seed, for example that of a failed run, which pytest prints in its header. `RTGEN_BUDGET`
+multiplies the numbers of drawn inputs that tests state, by default 0.2; `make nightly` takes 0.4,
+the workflow 5 each night, `make fuzz` 30.
 """
 
 from __future__ import annotations
@@ -16,8 +16,8 @@ from functools import cache
 from pathlib import Path
 
 ROOT = Path(__file__).resolve().parent.parent
-WITHOUT_COMMIT = 10_769_057
-"""The seed outside of a repository."""
+SEED = 10_769_057
+"""The seed of `make test`."""
 _SEED_DISTANCE = 10_000_000
 """Distance between the first cases of two seeds."""
 
@@ -36,7 +36,7 @@ def commit(folder: Path = ROOT) -> str | None:
 
 def seed_of(commit: str | None) -> int:
     """Return the seed of a commit: its first seven hexadecimal digits, as git abbreviates it."""
-    return WITHOUT_COMMIT if commit is None else int(commit[:7], 16)
+    return SEED if commit is None else int(commit[:7], 16)
 
 
 @cache
@@ -44,7 +44,7 @@ def seed() -> int:
     """Return the seed of all random tests of this run."""
     given = os.environ.get("RTGEN_SEED")
     # Workers of pytest-xdist inherit it with the environment.
-    os.environ["RTGEN_SEED"] = given or str(seed_of(commit()))
+    os.environ["RTGEN_SEED"] = given or str(SEED)
     return int(os.environ["RTGEN_SEED"])
 
 
@@ -54,15 +54,15 @@ def budget(count: int, *, least: int = 1) -> int:
     return max(least, math.ceil(count * share))
 
 
-def cases(count: int, *, least: int = 1) -> range:
-    """Return the numbers of `budget(count)` cases, beginning at the seed.
+def cases(count: int, *, always: int = 0) -> list[int]:
+    """Return the numbers of `always` cases, which no seed changes, and of `budget(count)` others.
 
-    A test that asserts what appears among its cases needs at least some number of them.
+    What a test asserts to appear among its cases, whatever the seed, appears among the former.
     """
     first = seed() * _SEED_DISTANCE
-    return range(first, first + budget(count, least=least))
+    return [*range(always), *range(first, first + budget(count))]
 
 
 if __name__ == "__main__":
-    # The seed of `make nightly`: another one than that of `make test`.
-    print(seed_of(commit()) + 1)
+    # The seed of `make nightly`.
+    print(seed_of(commit()))

@@ -16,7 +16,7 @@ import tempfile
 import time
 import traceback
 from collections import Counter
-from collections.abc import Callable, Iterable, Iterator
+from collections.abc import Callable, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from dataclasses import dataclass, field
 from multiprocessing.connection import Connection, wait
@@ -172,13 +172,13 @@ def attempt(
 
 def run(
     factory: Factory,
-    numbers: range,
+    numbers: Sequence[int],
     *,
     jobs: int = 1,
     chunk: int = _CHUNK,
     progress: Callable[[Report], None] = lambda _report: None,
 ) -> Report:
-    """Run a range of cases, calling `progress` after each chunk, which has a worker of its own.
+    """Run cases, calling `progress` after each chunk, which has a worker of its own.
 
     An interrupt ends the run; the results so far are reported.
     """
@@ -214,12 +214,12 @@ def run(
 
 
 class _Worker:
-    """A process that works on a range of cases, as the parent sees it."""
+    """A process that works on cases, as the parent sees it."""
 
-    def __init__(self, factory: Factory, numbers: range, scratch: Path) -> None:
+    def __init__(self, factory: Factory, numbers: Sequence[int], scratch: Path) -> None:
         context = multiprocessing.get_context("spawn")
         self._numbers = numbers
-        self._current = context.Value("q", numbers.start, lock=False)
+        self._current = context.Value("q", numbers[0], lock=False)
         self.channel, theirs = context.Pipe(duplex=False)
         self._folder = Path(tempfile.mkdtemp(dir=scratch))
         self._process = context.Process(
@@ -244,18 +244,19 @@ class _Worker:
         self._process.kill()
         self._process.join()
 
-    def result(self) -> tuple[Report, range]:
+    def result(self) -> tuple[Report, Sequence[int]]:
         """Return the report and the remaining cases, once the channel is ready."""
         try:
             report: Report = self.channel.recv()
-            rest = range(0)
+            rest: Sequence[int] = ()
         except EOFError:
             self._process.join()
             number = self._current.value
             code = self._process.exitcode
-            report = Report(cases=number + 1 - self._numbers.start)
+            done = self._numbers.index(number) + 1
+            report = Report(cases=done)
             report.failures.append(Failure(number, f"the worker ended with {code}"))
-            rest = range(number + 1, self._numbers.stop)
+            rest = self._numbers[done:]
         self.channel.close()
         self._process.join()
         shutil.rmtree(self._folder, ignore_errors=True)
@@ -263,7 +264,11 @@ class _Worker:
 
 
 def _work(
-    factory: Factory, numbers: range, folder: Path, current: object, channel: Connection
+    factory: Factory,
+    numbers: Sequence[int],
+    folder: Path,
+    current: object,
+    channel: Connection,
 ) -> None:
     signal.signal(signal.SIGINT, signal.SIG_IGN)
     resource.setrlimit(resource.RLIMIT_AS, (MEMORY, MEMORY))

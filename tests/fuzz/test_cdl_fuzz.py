@@ -8,7 +8,7 @@ from seeds import cases
 
 
 def test_definitions() -> None:
-    numbers = cases(200, least=200)
+    numbers = cases(200, always=200)
     report = run(CdlTarget, numbers)
     assert not report.failures, report.failures[0].detail
     assert report.labels["read"]

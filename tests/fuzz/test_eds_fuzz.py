@@ -8,7 +8,7 @@ from seeds import cases
 
 
 def test_device_descriptions() -> None:
-    numbers = cases(300, least=300)
+    numbers = cases(300, always=300)
     report = run(EdsTarget, numbers)
     assert not report.failures, report.failures[0].detail
     assert report.labels["read"] > len(numbers) * 80 / 300
@@ -17,7 +17,7 @@ def test_device_descriptions() -> None:
 
 
 def test_components() -> None:
-    report = run(ComponentsTarget, cases(12, least=12))
+    report = run(ComponentsTarget, cases(12, always=12))
     assert not report.failures, report.failures[0].detail
     assert report.labels["made"]
 

@@ -5,22 +5,22 @@ from functools import partial
 from fuzzing import run
 from hostile import ConversionsTarget, HostileTarget
 from hostile_names import NamesTarget
-from seeds import budget, cases
+from seeds import cases
 
 
 def test_hostile_definitions() -> None:
-    report = run(partial(HostileTarget, count=2), cases(28, least=28))
+    report = run(partial(HostileTarget, count=2), cases(20, always=24))
     assert not report.failures, report.failures[0].detail
-    assert report.labels["made"] >= budget(20, least=20)
+    assert report.labels["made"] >= 20
 
 
 def test_hostile_names() -> None:
-    report = run(NamesTarget, cases(18, least=9))
+    report = run(NamesTarget, cases(18, always=6))
     assert not report.failures, report.failures[0].detail
-    assert report.labels["made"] > budget(10, least=5)
+    assert report.labels["made"] >= 5
 
 
 def test_hostile_systems_modules_and_profiles() -> None:
-    report = run(ConversionsTarget, cases(45))
+    report = run(ConversionsTarget, cases(40, always=6))
     assert not report.failures, report.failures[0].detail
-    assert report.labels["made"] > budget(30)
+    assert report.labels["made"] >= 5

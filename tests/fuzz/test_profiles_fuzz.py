@@ -6,7 +6,7 @@ from seeds import cases
 
 
 def test_profiles() -> None:
-    numbers = cases(300, least=300)
+    numbers = cases(300, always=300)
     report = run(ProfileTarget, numbers)
     assert not report.failures, report.failures[0].detail
     assert report.labels["read"] > len(numbers) / 5

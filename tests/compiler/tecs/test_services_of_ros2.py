@@ -220,7 +220,7 @@ def test_hashes_of_drawn_signatures() -> None:
     """The hashes of messages equal those of rosbags, which reads the files by itself."""
     typesys = pytest.importorskip("rosbags.typesys")
     compared = 0
-    for number in cases(100, least=20):
+    for number in cases(100, always=20):
         made = of_board(board_of(sample(Random(number))), "robots")
         store = typesys.get_typestore(typesys.Stores.EMPTY)
         parts = {}
@@ -256,7 +256,7 @@ def test_hashes_of_rosidl(distribution: str, tmp_path: Path) -> None:
     """The hashes of services, too, equal those that rosidl computes of the files."""
     made = [
         of_board(board_of(sample(Random(number))), f"robots{place}")
-        for place, number in enumerate(cases(30, least=4))
+        for place, number in enumerate(cases(30, always=4))
     ]
     made = [each for each in made if each.texts]
     for each in made:
@@ -285,7 +285,7 @@ def answer_by(taken: list[Any], answers: dict[str, Any], name: str, *given: Any)
 def test_values_of_drawn_calls() -> None:
     """A board gets the arguments that a request has, and a response has what it returns."""
     made_calls = 0
-    for number in cases(150, least=30):
+    for number in cases(150, always=30):
         random = Random(number)
         found = sample(random)
         made = of_board(board_of(found), "robots")

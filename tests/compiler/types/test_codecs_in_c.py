@@ -232,7 +232,7 @@ _IN_ANY: list[Descriptor] = [
 
 def test_drawn_types(tmp_path: Path) -> None:
     covered = 0
-    for number in cases(20, least=4):
+    for number in cases(20, always=4):
         folder = tmp_path / str(number)
         folder.mkdir()
         for class_, value, draw in _drawn(number, folder):

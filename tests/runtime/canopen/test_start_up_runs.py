@@ -29,7 +29,7 @@ COUNT = 100
 
 @pytest.mark.random
 def test_random_networks_start(tmp_path: Path) -> None:
-    accepted, seeds = 0, cases(COUNT, least=COUNT)
+    accepted, seeds = 0, cases(COUNT, always=COUNT)
     for seed in seeds:
         folder = tmp_path / str(seed)
         folder.mkdir()

@@ -146,7 +146,7 @@ def replay(
 @pytest.mark.random
 def test_random_systems_write_what_they_wrote(tmp_path: Path) -> None:
     written = 0
-    for case in seeds.cases(40, least=40):
+    for case in seeds.cases(40, always=40):
         drawn = Drawn(case)
         first, second = tmp_path / f"{case}a.mcap", tmp_path / f"{case}b.mcap"
         with McapWriter(first) as writer, System(SimulatedClock()) as system:
