@@ -34,7 +34,7 @@ from rtgen.compiler.model import (
     PortKind,
     Valuetype,
 )
-from rtgen.compiler.typemap.components.actions import ACTIONS
+from rtgen.compiler.typemap.components.actions import skeleton_actions
 from rtgen.compiler.typemap.member_units import operation_text
 from rtgen.compiler.typemap.python.idl_names import PythonNames, distinct
 from rtgen.compiler.typemap.python.names import identifier
@@ -95,7 +95,7 @@ def skeleton_module(
         name=name,
         base=base,
         class_docstring=docstring(component.doc, 4, heading(component)),
-        actions=[action for action in ACTIONS if action.implemented],
+        actions=skeleton_actions(component.activity),
     )
     return fit_text(text)
 

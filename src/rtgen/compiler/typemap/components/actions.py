@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from rtgen.facts.activities import EVENT_DRIVEN
 
 
 @dataclass(frozen=True, slots=True)
@@ -42,3 +44,19 @@ ACTIONS = (
     Action("OnRateChanged", "on_rate_changed", "Called when the rate has changed."),
 )
 """All callbacks, in the order of the profile's schema (RtcProfile 0.3, `rtc:Actions`)."""
+
+
+def skeleton_actions(activity: str) -> list[Action]:
+    """Return the callbacks that the skeleton of a component contains."""
+    actions = [action for action in ACTIONS if action.implemented]
+    if activity != EVENT_DRIVEN:
+        return actions
+    by_samples = "Called when samples have arrived while it is active."
+    return [
+        (
+            replace(action, description=by_samples)
+            if action.method == "on_execute"
+            else action
+        )
+        for action in actions
+    ]

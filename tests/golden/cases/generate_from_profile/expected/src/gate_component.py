@@ -30,5 +30,5 @@ class GateComponent(GateComponentBase):
         return RTC_OK
 
     def on_execute(self, ec_id: int) -> ReturnCode_t:
-        """Called in every cycle while it is active."""
+        """Called when samples have arrived while it is active."""
         return RTC_OK
