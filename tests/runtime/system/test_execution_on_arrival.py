@@ -270,3 +270,27 @@ def test_a_sample_of_another_thread_executes_it() -> None:
         relay.execute = came.set
         outside.outputs["out"].write(long(1))
         assert came.wait(PATIENCE)
+
+
+def test_its_ticks_in_real_time_have_no_overruns() -> None:
+    """A relay of 1 kHz that takes several periods for each sample, beside its source."""
+    passed: Passed = []
+    relay = Relay("slow", passed)
+
+    def pass_on_slowly() -> None:
+        end = relay.now() + 30 * MS
+        while relay.now() < end:
+            pass
+        relay.pass_on()
+
+    relay.execute = pass_on_slowly
+    with System(RealClock()) as system:
+        system.add(Source(), 100.0)
+        system.add(relay, 1000.0)
+        system.connect(("source", "out"), ("slow", "in"))
+        system.activate("source")
+        system.activate("slow")
+        run_until(system, lambda: len(passed) >= 10)
+        statistics = system.statistics("slow")
+    assert statistics.ticks >= 2
+    assert (statistics.overruns, statistics.condition) == (0, "")

@@ -35,6 +35,8 @@ _SWITCH_INTERVAL = 0.0005
 """Time after which a thread that computes lets another one run [s] (`sys.setswitchinterval`)."""
 _POLL_INTERVAL = 5_000_000
 """Polling period of a condition of `run`, in ns, while no state changes."""
+_BETWEEN_SAMPLES = 10_000_000
+"""Least period of the ticks of a context that samples execute, which serve requests, in ns."""
 _PERIODIC = ("on_execute", "on_state_update", "on_error")
 
 
@@ -200,11 +202,11 @@ class RealTimeScheduler:
         # Registered before it starts, because its first tick may stop it.
         task = self._tasks[context] = Task(
             _name(context),
-            context.period,
+            max(context.period, _BETWEEN_SAMPLES * context.is_event_driven),
             context.cycle,
             order=self._orders[context],
             between=between,
-            overrun=count,
+            overrun=None if context.is_event_driven else count,
         )
         if self._running:
             due = begin_of(task.period, self._clock.elapsed())
