@@ -20,9 +20,16 @@ from rtgen.compiler.backends.wiring import (
     view_of,
 )
 from rtgen.compiler.backends.wiring.diagram import diagram_of
-from rtgen.compiler.backends.wiring.palette import DARK, LIGHT, Scheme
+from rtgen.compiler.backends.wiring.palette import DARK, LIGHT, Scheme, luminance
 from rtgen.compiler.backends.wiring.placement import place
-from rtgen.compiler.backends.wiring.routing import MAX_WIDTH, Frame, lay_out, route
+from rtgen.compiler.backends.wiring.router import Place
+from rtgen.compiler.backends.wiring.routing import (
+    MAX_WIDTH,
+    Frame,
+    Geometry,
+    lay_out,
+    route,
+)
 from rtgen.compiler.model import (
     Connection,
     PortKind,
@@ -83,52 +90,55 @@ CHAIN = [
 ]
 
 
-def layout(system: System) -> tuple[dict[str, tuple[int, int]], list[Frame], list[str]]:
+def layout(system: System) -> tuple[dict[str, tuple[int, int]], Geometry]:
     diagram = diagram_of(system, {})
     cells = place(diagram)
-    geometry = route(diagram, cells)
-    named = {box.instance: cell for box, cell in cells.items()}
-    return named, list(geometry.frames.values()), list(geometry.paths)
+    return {box.instance: cell for box, cell in cells.items()}, route(diagram, cells)
 
 
-def points(path: str) -> list[tuple[float, float]]:
-    """Return points along a path of M, L, H, Q and C commands, close together."""
-    found: list[tuple[float, float]] = []
-    for command, text in re.findall(r"([MLHQC])([^MLHQC]+)", path):
-        numbers = [float(n) for n in re.findall(r"-?[\d.]+", text)]
-        if command == "H":
-            numbers.append(found[-1][1])
-        ends = list(zip(numbers[::2], numbers[1::2], strict=True))
-        if command == "M":
-            found += ends
-            continue
-        controls = [found[-1], *ends]
-        for step in range(1, 41):
-            share = step / 40
-            curve = controls
-            while len(curve) > 1:
-                curve = [
-                    (a[0] + (b[0] - a[0]) * share, a[1] + (b[1] - a[1]) * share)
-                    for a, b in pairwise(curve)
-                ]
-            found.append(curve[0])
-    return found
+Line = tuple[Place, Place]
 
 
-def inside(frame: Frame, x: float, y: float) -> bool:
+def lines(corners: Sequence[Place]) -> list[Line]:
+    return [(min(pair), max(pair)) for pair in pairwise(corners)]
+
+
+def is_behind(frame: Frame, line: Line) -> bool:
+    (x1, y1), (x2, y2) = line
     return (
-        frame.x + 1 < x < frame.x + frame.width - 1
-        and frame.y + 1 < y < frame.y + frame.height - 1
+        x1 < frame.x + frame.width - 1
+        and x2 > frame.x + 1
+        and y1 < frame.y + frame.height - 1
+        and y2 > frame.y + 1
     )
 
 
+def cross(one: Line, other: Line) -> bool:
+    """Return whether one line passes through the other one."""
+    (x1, y1), (x2, y2) = one
+    (x3, y3), (x4, y4) = other
+    return (x1 < x3 == x4 < x2 and y3 < y1 == y2 < y4) or (
+        x3 < x1 == x2 < x4 and y1 < y3 == y4 < y2
+    )
+
+
+def overlap(one: Line, other: Line) -> bool:
+    """Return whether the lines have more than a place in common."""
+    (x1, y1), (x2, y2) = one
+    (x3, y3), (x4, y4) = other
+    if y1 == y2 == y3 == y4:
+        return min(x2, x4) > max(x1, x3)
+    return x1 == x2 == x3 == x4 and min(y2, y4) > max(y1, y3)
+
+
 def check_layout(system: System, *, fitted: bool = False) -> None:
-    cells, frames, paths = layout(system)
+    cells, geometry = layout(system)
     assert len(set(cells.values())) == len(cells)
+    diagram = diagram_of(system, {})
     if fitted:
-        geometry = lay_out(diagram_of(system, {}))
-        frames, paths = list(geometry.frames.values()), list(geometry.paths)
+        geometry = lay_out(diagram)
         assert geometry.width <= MAX_WIDTH
+    frames = list(geometry.frames.values())
     for one, other in combinations(frames, 2):
         apart = (
             one.x + one.width <= other.x
@@ -137,20 +147,63 @@ def check_layout(system: System, *, fitted: bool = False) -> None:
             or other.y + other.height <= one.y
         )
         assert apart
-    for path in paths:
-        for x, y in points(path):
-            assert not any(inside(frame, x, y) for frame in frames), path
+    for corners in geometry.wires:
+        for line in lines(corners):
+            (x1, y1), (x2, y2) = line
+            assert (x1 == x2) is not (y1 == y2), corners
+            assert 0 < x1 <= x2 < geometry.width
+            assert 0 < y1 <= y2 < geometry.height
+            assert not any(is_behind(frame, line) for frame in frames), corners
+    wires = list(zip(diagram.links, geometry.wires, strict=True))
+    for (link, corners), (another, others) in combinations(wires, 2):
+        if link.source != another.source and link.target != another.target:
+            for one_line in lines(corners):
+                assert not any(overlap(one_line, each) for each in lines(others))
+
+
+def drawn_wires(svg: str) -> list[tuple[str, str, list[Line]]]:
+    """Return the colour, the ends and the lines of each wire of a picture."""
+    root = etree.fromstring(svg.encode())
+    wires = []
+    for path in root.iterfind(".//{*}path[{*}title]"):
+        colour = path.getparent().get("class")
+        x, y = 0.0, 0.0
+        corners = []
+        for command, text in re.findall(r"([A-Za-z])([^A-Za-z]+)", path.get("d")):
+            assert command in "MHV"
+            numbers = [float(number) for number in text.split(",")]
+            x, y = {
+                "M": (numbers[0], numbers[-1]),
+                "H": (numbers[0], y),
+                "V": (x, numbers[0]),
+            }[command]
+            corners.append((x, y))
+        ends = path.findtext("{*}title").partition("\n")[0]
+        wires.append((colour, ends, lines(corners)))
+    return wires
+
+
+def check_colours(svg: str) -> None:
+    """Check that wires of one colour that cross come from one port."""
+    wires = drawn_wires(svg)
+    for (colour, ends, parts), (second, others, second_parts) in combinations(wires, 2):
+        if colour == second and ends.split(" → ")[0] != others.split(" → ")[0]:
+            for one in parts:
+                assert not any(cross(one, each) for each in second_parts), (
+                    ends,
+                    others,
+                )
 
 
 def test_data_flows_from_left_to_right() -> None:
-    cells, _, _ = layout(system(["C0", "B0", "A0"], CHAIN))
+    cells, _ = layout(system(["C0", "B0", "A0"], CHAIN))
     assert sorted(column for column, _ in cells.values()) == [0, 1, 2]
     check_layout(system(["C0", "B0", "A0"], CHAIN))
 
 
 def test_locations_decide_if_every_component_has_its_own() -> None:
     places = {"A0": (300, 20), "B0": (20, 30), "C0": (300, 400)}
-    cells, _, _ = layout(system(["A0", "B0", "C0"], CHAIN, places=places))
+    cells, _ = layout(system(["A0", "B0", "C0"], CHAIN, places=places))
     assert cells == {"A0": (1, 0), "B0": (0, 0), "C0": (1, 1)}
 
 
@@ -216,7 +269,8 @@ def test_every_port_is_shown_with_its_type() -> None:
 def test_tooltip_tells_ends_type_and_properties() -> None:
     svg = render(system(["A0", "B0"], [("A0", "out", "B0", "in")]), PROFILES)
     assert (
-        "A0.out → B0.in&#10;RTC::TimedLong&#10;dataport.data_type = IDL:RTC/TimedLong:1.0"
+        "A0.out → B0.in&#10;RTC::TimedLong&#10;"
+        "written at 50 Hz at most, the rate of A0&#10;dataport.data_type = IDL:RTC/TimedLong:1.0"
         in svg
     )
 
@@ -353,21 +407,17 @@ def test_connections_of_a_timeline_are_dashed_with_their_times() -> None:
     assert "made at 12.5 s" in svg
 
 
-def luminance(colour: str) -> float:
-    """Return the relative luminance (WCAG 2.1) of #rrggbb."""
-    shares = [int(colour[n : n + 2], 16) / 255 for n in (1, 3, 5)]
-    linear = [
-        s / 12.92 if s <= 0.04045 else ((s + 0.055) / 1.055) ** 2.4 for s in shares
-    ]
-    return 0.2126 * linear[0] + 0.7152 * linear[1] + 0.0722 * linear[2]
-
-
 @pytest.mark.parametrize("scheme", [LIGHT, DARK], ids=["light", "dark"])
 def test_text_and_lines_have_enough_contrast(scheme: Scheme) -> None:
-    for ink in (scheme.text, scheme.muted, *scheme.links):
+    for ink in (scheme.text, scheme.muted, *scheme.more(80)):
         for ground in (scheme.page, scheme.box):
             high, low = sorted((luminance(ink), luminance(ground)), reverse=True)
             assert (high + 0.05) / (low + 0.05) >= 4.5, (ink, ground)
+
+
+def test_colours_differ() -> None:
+    for scheme in (LIGHT, DARK):
+        assert len({*scheme.more(80), scheme.border}) == 81
 
 
 def test_each_colour_is_defined_for_light_and_dark() -> None:
@@ -403,4 +453,111 @@ def test_nothing_covers_anything(
     drawn = system(NAMES, joined, places=located)
     check_layout(drawn)
     check_layout(drawn, fitted=True)
-    assert render(drawn, {}) == render(drawn, {})
+    svg = render(drawn, {})
+    assert render(drawn, {}) == svg
+    check_colours(svg)
+
+
+def complete(count: int) -> System:
+    """Return a system in which each component is connected with each one."""
+    names = [f"N{number}0" for number in range(count)]
+    joined = [(a, f"to{b}", b, f"of{a}") for a in names for b in names]
+    return system(names, joined)
+
+
+def test_more_wires_cross_than_there_are_usual_colours() -> None:
+    drawn = complete(10)
+    check_layout(drawn, fitted=True)
+    svg = render(drawn, {})
+    check_colours(svg)
+    used = {colour for colour, _, _ in drawn_wires(svg)}
+    light, _, dark = svg.partition("@media (prefers-color-scheme:dark)")
+    assert len(used) > len(LIGHT.links)
+    assert all(
+        f".{colour}{{color:#" in text for colour in used for text in (light, dark)
+    )
+
+
+def test_ports_opposite_each_other_are_connected_crosswise() -> None:
+    wires = [("A0", "p", "B0", "r"), ("A0", "q", "B0", "s"), ("B0", "p", "A0", "r")]
+    ports = [PortView(name, PortKind.OUTPORT, "T") for name in "pq"]
+    ports += [PortView(name, PortKind.INPORT, "T") for name in "sr"]
+    views = {name: ComponentView(name, tuple(ports)) for name in "AB"}
+    svg = render(system(["A0", "B0"], wires), views)
+    parts = {ends: lines for _, ends, lines in drawn_wires(svg)}
+    crosswise = [parts["A0.p → B0.r"], parts["A0.q → B0.s"]]
+    assert not any(overlap(a, b) for a in crosswise[0] for b in crosswise[1])
+    check_colours(svg)
+
+
+def test_many_components_are_drawn_about_as_wide_as_high() -> None:
+    names = [f"C{number}0" for number in range(300)]
+    joined = [(a, "out", b, "in") for a, b in pairwise(names)]
+    joined += [(a, "far", b, "far") for a, b in zip(names, names[7:], strict=False)]
+    svg = render(system(names, joined), {})
+    root = etree.fromstring(svg.encode())
+    width, height = (float(root.get(name)) for name in ("width", "height"))
+    assert width > MAX_WIDTH
+    assert 1 / 4 < width / height < 4
+    check_colours(svg)
+
+
+def test_the_rate_of_a_periodic_connection_is_shown() -> None:
+    base = system(["A0", "B0"], [("A0", "out", "B0", "in"), ("A0", "out", "B0", "too")])
+    first, second = base.connections
+    periodic = (
+        *first.properties,
+        ("dataport.subscription_type", "periodic"),
+        ("dataport.publisher.push_rate", "12.5"),
+    )
+    drawn = replace(base, connections=(replace(first, properties=periodic), second))
+    svg = render(drawn, {})
+    assert texts(svg).count("12.5 Hz") == 1
+    assert "delivered at 12.5 Hz" in svg
+    assert svg.count("written at 50 Hz at most, the rate of A0") == 1
+    without = replace(first, properties=periodic[:-1])
+    assert "12.5 Hz" not in texts(render(replace(base, connections=(without,)), {}))
+
+
+def test_a_rate_that_the_system_does_not_state_is_that_of_the_definition() -> None:
+    base = system(["A0", "B0"])
+    stated = replace(
+        base, components=tuple(replace(c, rate=None) for c in base.components)
+    )
+    views = {
+        "A": view_of(component(name="A")),
+        "B": replace_rate(view_of(component(name="B")), None),
+    }
+    shown = texts(render(stated, views))
+    assert f"A · {component(name='A').rate:g} Hz" in shown
+    assert "B" in shown
+
+
+def replace_rate(view: ComponentView, rate: float | None) -> ComponentView:
+    return ComponentView(view.name, view.ports, view.parameters, rate)
+
+
+def test_wires_that_part_or_join_have_a_dot_where_they_do() -> None:
+    parting = system(
+        ["A0", "B0", "C0"], [("A0", "o", "B0", "i"), ("A0", "o", "C0", "i")]
+    )
+    joining = system(
+        ["A0", "B0", "C0"], [("A0", "o", "C0", "i"), ("B0", "o", "C0", "i")]
+    )
+    apart = system(["A0", "B0"], [("A0", "o", "B0", "i")])
+    for drawn, number in ((parting, 1), (joining, 1), (apart, 0)):
+        assert render(drawn, {}).count('r="3.5"') == number
+
+
+def test_media_that_cross_have_unlike_colours() -> None:
+    base = system(["A0", "B0", "C0", "D0"])
+    tcp = {"type": "TCP", "ipaddr": "h", "port": "1"}
+    line = {"type": "SERIA", "port": "/dev/ttyS3"}
+    sets = {"A0": tcp, "B0": line, "C0": tcp, "D0": line}
+    svg = render(with_sets(base, sets), {})
+    root = etree.fromstring(svg.encode())
+    colours = [
+        e.getparent().get("class")
+        for e in root.iterfind(".//{*}path[@class='line medium']")
+    ]
+    assert len({*colours}) == 2

@@ -266,6 +266,16 @@ def lacks_push_rate(properties: Mapping[str, str]) -> bool:
     return periodic and PUSH_RATE not in properties
 
 
+def push_rate(properties: Mapping[str, str]) -> float | None:
+    """Return the samples per second of a periodic connection; None for others."""
+    text = properties.get(PUSH_RATE, "")
+    if Subscription.PERIODIC not in subscriptions(properties).values():
+        return None
+    if not text or violation(PLAIN_DATA, PUSH_RATE, text) is not None:
+        return None
+    return float(text)
+
+
 def is_pair(key: str) -> bool:
     """Return whether a property of a service connector pairs a consumer with a provider."""
     return ".required." in key

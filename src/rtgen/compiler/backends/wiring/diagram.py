@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from enum import Enum
 
 from rtgen.compiler.model import Component, PortKind, PortReference, System
+from rtgen.facts import connector_properties
 
 _DATA_PORTS = (PortKind.INPORT, PortKind.OUTPORT)
 _LEFT = (PortKind.INPORT, PortKind.PROVIDER)
@@ -27,11 +28,15 @@ class PortView:
 
 @dataclass(frozen=True, slots=True)
 class ComponentView:
-    """A component type in the diagram; `parameters` maps names to default texts."""
+    """A component type in the diagram; `parameters` maps names to default texts.
+
+    `rate` is that of instances without their own [Hz].
+    """
 
     name: str
     ports: tuple[PortView, ...]
     parameters: Mapping[str, str] = field(default_factory=dict)
+    rate: float | None = None
 
 
 def view_of(component: Component) -> ComponentView:
@@ -41,7 +46,8 @@ def view_of(component: Component) -> ComponentView:
         p.name: "" if p.default is None else str(p.default)
         for p in component.configuration
     }
-    return ComponentView(component.name[-1], tuple(ports), parameters)
+    rate = component.rate if component.activity == "PERIODIC" else None
+    return ComponentView(component.name[-1], tuple(ports), parameters, rate)
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,6 +143,11 @@ class Link:
     properties: tuple[tuple[str, str], ...] = ()
     times: tuple[float, ...] = ()
 
+    @property
+    def rate(self) -> float | None:
+        """Samples per second of a periodic connection; None if the writer decides."""
+        return connector_properties.push_rate(dict(self.properties))
+
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Medium:
@@ -164,7 +175,12 @@ def diagram_of(
 ) -> Diagram:
     """Return the diagram of a system; missing profiles are derived from the connectors."""
     boxes = {
-        c.instance: Box(c.instance, c.type, c.rate, c.location and c.location[:2])
+        c.instance: Box(
+            c.instance,
+            c.type,
+            profiles[c.type].rate if c.rate is None and c.type in profiles else c.rate,
+            c.location and c.location[:2],
+        )
         for c in system.components
     }
     for box in boxes.values():

@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 from bisect import bisect_right, insort
-from collections import Counter, defaultdict
-from collections.abc import Mapping, Sequence
+from collections import defaultdict
+from collections.abc import Iterable, Mapping, Sequence
+from heapq import heapify, heappop, heappush
+from operator import add
 from typing import TypeAlias
 
 from rtgen.compiler.backends.wiring.diagram import Box, Diagram
@@ -24,11 +26,12 @@ def place(diagram: Diagram) -> dict[Box, Cell]:
 
 
 def folded(
-    diagram: Diagram, cells: Mapping[Box, Cell], columns: int
+    diagram: Diagram, cells: Mapping[Box, Cell], columns: int, *, dense: bool = False
 ) -> dict[Box, Cell]:
     """Return the cells in bands of at most `columns` columns, one band below the other.
 
-    Boxes without links fill the rows below, so that they do not widen the picture.
+    The boxes of a column keep their order; with `dense` there is no free row between them. Boxes
+    without links fill the rows below, so that they do not widen the picture.
     """
     linked = {tab.box for link in diagram.links for tab in (link.source, link.target)}
     used = {column: n for n, column in enumerate(sorted({cells[b][0] for b in linked}))}
@@ -39,16 +42,35 @@ def folded(
     placed: dict[Box, Cell] = {}
     first = 0
     for _, band in sorted(bands.items()):
-        rows = {row: n for n, row in enumerate(sorted({r for _, r in band.values()}))}
-        for box, (column, row) in band.items():
-            placed[box] = column, first + rows[row]
-        first += len(rows)
+        rows = _merged_rows(band.values())
+        filled: dict[int, int] = defaultdict(int)
+        for box, (column, row) in sorted(band.items(), key=lambda each: each[1]):
+            placed[box] = column, first + (filled[column] if dense else rows[row])
+            filled[column] += 1
+        first += max(filled.values()) if dense else max(rows.values()) + 1
     others = sorted(
         (cells[box][::-1], n, box) for n, box in enumerate(cells) if box not in linked
     )
     for place, (_, _, box) in enumerate(others):
         placed[box] = place % columns, first + place // columns
     return {box: placed[box] for box in cells}
+
+
+def _merged_rows(cells: Iterable[Cell]) -> dict[int, int]:
+    """Return new rows from 0: a row joins the one above if no column has boxes in both."""
+    columns: dict[int, set[int]] = defaultdict(set)
+    for column, row in cells:
+        columns[row].add(column)
+    merged: dict[int, int] = {}
+    taken: set[int] = set()
+    number = -1
+    for row in sorted(columns):
+        if number < 0 or taken & columns[row]:
+            number += 1
+            taken = set()
+        taken |= columns[row]
+        merged[row] = number
+    return merged
 
 
 def _by_location(boxes: Sequence[Box]) -> dict[Box, Cell] | None:
@@ -95,29 +117,50 @@ def _by_layers(diagram: Diagram) -> dict[Box, Cell]:
 
 def _order_without_cycles(count: int, edges: Sequence[tuple[int, int]]) -> list[int]:
     """Order the boxes such that few edges point backward (Eades, Lin, Smyth 1993)."""
-    remaining = list(range(count))
-    placed: set[int] = set()
+    followers = _adjacent(count, edges)
+    leaders = _adjacent(count, [(b, a) for a, b in edges])
+    outgoing = [len(each) for each in followers]
+    incoming = [len(each) for each in leaders]
+    # The next sink, source and box with fewest edges in; entries that no longer hold are skipped.
+    sinks = [-n for n in range(count) if incoming[n] and not outgoing[n]]
+    inmost = [(incoming[n], n) for n in range(count)]
+    heapify(sinks)
+    heapify(inmost)
+    placed = [False] * count
     head: list[int] = []
     tail: list[int] = []
-    while remaining:
-        inner = [(a, b) for a, b in edges if not {a, b} & placed]
-        outgoing = Counter(a for a, _ in inner)
-        incoming = Counter(b for _, b in inner)
-        sinks = [n for n in remaining if not outgoing[n] and incoming[n]]
-        sources = [n for n in remaining if not incoming[n]]
+    while len(head) + len(tail) < count:
         if sinks:
-            chosen = sinks[-1]
-            tail.insert(0, chosen)
+            chosen = -heappop(sinks)
+            if placed[chosen] or not incoming[chosen]:
+                continue
+            tail.append(chosen)
         else:
-            inmost = sorted(remaining, key=lambda n: (incoming[n] - outgoing[n], n))
-            chosen = (sources or inmost)[0]
+            edges_in, chosen = heappop(inmost)
+            if placed[chosen] or edges_in != incoming[chosen]:
+                continue
             head.append(chosen)
-        remaining.remove(chosen)
-        placed.add(chosen)
+        placed[chosen] = True
+        for node in leaders[chosen]:
+            outgoing[node] -= 1
+            if not outgoing[node] and not placed[node]:
+                heappush(sinks, -node)
+        for node in followers[chosen]:
+            incoming[node] -= 1
+            if not placed[node]:
+                heappush(inmost, (incoming[node], node))
     positions = [0] * count
-    for position, node in enumerate(head + tail):
+    for position, node in enumerate(head + tail[::-1]):
         positions[node] = position
     return positions
+
+
+def _adjacent(count: int, edges: Sequence[tuple[int, int]]) -> list[list[int]]:
+    """Return the ends of the edges from each box."""
+    ends: list[list[int]] = [[] for _ in range(count)]
+    for a, b in edges:
+        ends[a].append(b)
+    return ends
 
 
 def _layers(
@@ -128,32 +171,37 @@ def _layers(
     Sources are next to their successors.
     """
     columns = [0] * count
+    followers = _adjacent(count, forward)
+    leaders = _adjacent(count, [(b, a) for a, b in forward])
     for node in order:
-        columns[node] = max(
-            (columns[a] + 1 for a, b in forward if b == node), default=0
-        )
+        columns[node] = max((columns[a] + 1 for a in leaders[node]), default=0)
     for node in reversed(order):
-        followers = [columns[b] for a, b in forward if a == node]
-        if followers and all(b != node for _, b in forward):
-            columns[node] = min(followers) - 1
+        if followers[node] and not leaders[node]:
+            columns[node] = min(columns[b] for b in followers[node]) - 1
     return columns
 
 
 def _rows(columns: Sequence[int], edges: Sequence[tuple[int, int]]) -> list[int]:
     """Return the row of each box: by the mean row of its neighbours in each column."""
-    layers = [
-        [node for node, column in enumerate(columns) if column == index]
-        for index in range(max(columns, default=-1) + 1)
-    ]
+    layers: list[list[int]] = [[] for _ in range(max(columns, default=-1) + 1)]
+    for node, column in enumerate(columns):
+        layers[column].append(node)
     height = max((len(layer) for layer in layers), default=0)
+    backward = [(b, a) for a, b in edges]
     rows = [0] * len(columns)
     for layer in layers:
         for row, node in enumerate(layer):
             rows[node] = row
+    near = [
+        [other for other in both if columns[other] != columns[node]]
+        for node, both in enumerate(
+            map(add, _adjacent(len(rows), edges), _adjacent(len(rows), backward))
+        )
+    ]
     best, fewest = list(rows), _crossings(columns, rows, edges)
     for sweep in range(_SWEEPS):
         for layer in layers if sweep % 2 == 0 else layers[::-1]:
-            _reorder(layer, rows, edges, height)
+            _reorder(layer, rows, near, height)
         crossings = _crossings(columns, rows, edges)
         if crossings < fewest:
             best, fewest = list(rows), crossings
@@ -161,12 +209,11 @@ def _rows(columns: Sequence[int], edges: Sequence[tuple[int, int]]) -> list[int]
 
 
 def _reorder(
-    layer: Sequence[int], rows: list[int], edges: Sequence[tuple[int, int]], height: int
+    layer: Sequence[int], rows: list[int], near: Sequence[Sequence[int]], height: int
 ) -> None:
     heights: dict[int, float] = {}
     for node in layer:
-        others = [rows[b] for a, b in edges if a == node and b not in layer]
-        others += [rows[a] for a, b in edges if b == node and a not in layer]
+        others = [rows[other] for other in near[node]]
         heights[node] = sum(others) / len(others) if others else rows[node]
     lowest = 0
     for index, node in enumerate(sorted(layer, key=lambda n: (heights[n], rows[n]))):
