@@ -15,13 +15,18 @@ except ModuleNotFoundError as error:
 
 
 def main() -> None:
-    """Run the command line. `rtgen --version` imports nothing else."""
-    if sys.argv[1:] == ["--version"]:
+    """Run the command line. `rtgen --version` and stored answers import nothing else."""
+    arguments = sys.argv[1:]
+    if arguments == ["--version"]:
         print("rtgen", __version__)
         return
-    from rtgen.cli import run
+    from rtgen.tools.kit.answers import repeat
 
-    code = run(sys.argv[1:], ends=True)
+    code = repeat(arguments)
+    if code is None:
+        from rtgen.cli import run
+
+        code = run(arguments, ends=True)
     # A collection at interpreter exit would only cost time: the process frees its memory anyway.
     gc.freeze()
     sys.exit(code)

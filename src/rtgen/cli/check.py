@@ -5,6 +5,7 @@ from __future__ import annotations
 import click
 
 from rtgen.cli.definition_options import (
+    with_answer,
     with_definitions,
     with_node_id,
     with_output,
@@ -28,6 +29,7 @@ MAX_LINES = 24
 
 
 @command()
+@with_answer
 @with_definitions
 @with_output("Compare with")
 @with_node_id

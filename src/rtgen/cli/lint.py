@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import click
 from msgspec.structs import replace
 
-from rtgen.cli.definition_options import with_definitions
+from rtgen.cli.definition_options import with_answer, with_cache, with_definitions
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
@@ -27,7 +27,9 @@ MAX_ROUNDS = 10
 
 
 @command()
+@with_answer
 @with_definitions
+@with_cache
 @click.option("--ignore", multiple=True, metavar="CODE", help="Disable a rule.")
 @click.option(
     "--select",
@@ -42,6 +44,7 @@ MAX_ROUNDS = 10
 def lint(
     console: Console,
     definitions: Definitions,
+    no_cache: bool,
     ignore: tuple[str, ...],
     select: tuple[str, ...],
     fix: bool,

@@ -19,6 +19,7 @@ from rtgen.compiler.project import (
     path_finding,
 )
 from rtgen.compiler.project.paths import RENAME_JOURNAL
+from rtgen.facts.files import exists
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, FAILED, ReportedError
 
@@ -93,7 +94,7 @@ def _complete_renames(console: Console) -> None:
     except FileNotFoundError:  # The folder has been removed.
         return
     around = (here, *here.parents)
-    place = next((p for p in around if (p / RENAME_JOURNAL).exists()), None)
+    place = next((p for p in around if exists(p / RENAME_JOURNAL)), None)
     if place is None:
         return
     from rtgen.tools.renaming.interrupted import completed

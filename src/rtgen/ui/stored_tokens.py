@@ -9,7 +9,7 @@ import time
 from pathlib import Path
 from typing import Final
 
-from rtgen.compiler.project.cache import user_folder
+from rtgen.compiler.kit.own_files import user_folder
 from rtgen.facts.files import write_atomically
 from rtgen.ui.server import Tokens
 
@@ -28,7 +28,7 @@ def tokens_of(port: int) -> Tokens:
 
     A file that another user can read, or could have written, is ignored.
     """
-    file = user_folder() / "ui" / f"{port}.tokens"
+    file = Path(user_folder()) / "ui" / f"{port}.tokens"
     tokens = _read(file) or Tokens()
     with contextlib.suppress(OSError):  # then they are only valid for this start
         _write(file, tokens)

@@ -7,13 +7,14 @@ from hashlib import sha256
 from importlib import metadata
 from pathlib import Path
 
+import platformdirs
 import pytest
 from msgspec.structs import replace
 from small_pipeline import Pipeline
 
 import rtgen
 from rtgen.cli import run
-from rtgen.compiler.kit import plugins
+from rtgen.compiler.kit import own_files, plugins
 from rtgen.compiler.project import Project, cache, load, with_arguments
 from rtgen.compiler.project.compilation import Compilation
 from rtgen.tools.compiling.cached import build
@@ -232,15 +233,17 @@ def test_the_key_tells_plug_ins_and_their_content(
     assert len(keys) == 4
 
 
+@pytest.mark.parametrize("base", ["", "{}/base", "relative"])
 def test_the_users_folder_is_the_default(
-    monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, base: str
 ) -> None:
     monkeypatch.delenv("RTGEN_CACHE_DIR", raising=False)
-    monkeypatch.setattr(
-        "platformdirs.user_cache_dir", lambda *a, **k: str(tmp_path / "user")
-    )
+    monkeypatch.setenv("HOME", str(tmp_path / "home"))
+    monkeypatch.setenv("XDG_CACHE_HOME", base.format(tmp_path))
     cache.default().store("key", Compilation((), {}, (), {}))
-    assert (tmp_path / "user" / "runs" / "key.json").is_file()
+    folder = Path(platformdirs.user_cache_dir("rtgen", appauthor=False))
+    assert folder.is_relative_to(tmp_path)
+    assert (folder / "runs" / "key.json").is_file()
 
 
 def test_what_inspect_prints_is_kept_too(
@@ -284,7 +287,7 @@ def test_a_key_depends_on_every_file_of_the_compiler() -> None:
     """Also on those of packages beside the cache's own."""
     found = {
         path.relative_to(folder).as_posix()
-        for path in map(Path, cache._compiler_files())
+        for path in map(Path, own_files.stamp(own_files.compiler_folders()).split("\0"))
         for folder in map(Path, rtgen.__path__)
         if path.is_relative_to(folder)
     }

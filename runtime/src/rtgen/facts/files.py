@@ -17,6 +17,8 @@ from contextvars import ContextVar
 from pathlib import Path
 from typing import BinaryIO
 
+from rtgen.facts.looks import CONTENT, KIND, LINK, NAMES, look
+
 _OVERLAY: ContextVar[Mapping[str, bytes] | None] = ContextVar("overlay", default=None)
 _READING = os.O_RDONLY | getattr(os, "O_NONBLOCK", 0) | getattr(os, "O_BINARY", 0)
 _WRITING = (
@@ -84,11 +86,45 @@ def is_file(path: Path) -> bool:
     """Return whether the path is a regular file, or a link to one. Raises OSError for a path that
     the file system cannot have.
     """
+    look(KIND, path)
     return _unsaved(path) is not None or path.is_file()
+
+
+def is_folder(path: Path) -> bool:
+    """Return whether the path is a folder, or a link to one."""
+    look(KIND, path)
+    return path.is_dir()
+
+
+def exists(path: Path, *, as_link: bool = False) -> bool:
+    """Return whether anything is at the path; `as_link`: a link without a target counts."""
+    look(LINK if as_link else KIND, path)
+    return os.path.lexists(path) if as_link else path.exists()
+
+
+def modules_in(folder: Path) -> list[Path]:
+    """Return the paths of Python modules in a folder, sorted."""
+    look(NAMES, folder)
+    return sorted(folder.glob("*.py"))
+
+
+def in_order(folder: Path) -> list[Path]:
+    """Return the paths in a folder, sorted. Raises OSError."""
+    look(NAMES, folder)
+    return sorted(folder.iterdir())
+
+
+def walk(folder: Path) -> Iterator[tuple[str, list[str], list[str]]]:
+    """Yield what `os.walk` does."""
+    look(NAMES, folder)  # for one that is missing
+    for each in os.walk(folder):
+        look(NAMES, each[0])
+        yield each
 
 
 def in_folder(folder: Path, suffixes: Collection[str]) -> list[Path]:
     """Return the paths in a folder that have one of the suffixes, in either case, in order."""
+    look(NAMES, folder)
     return [
         path for path in sorted(folder.glob("*")) if path.suffix.lower() in suffixes
     ]
@@ -96,6 +132,7 @@ def in_folder(folder: Path, suffixes: Collection[str]) -> list[Path]:
 
 def open_file(path: Path) -> BinaryIO:
     """Open a regular file on the disk for reading. Raises OSError, whose `strerror` says why."""
+    look(CONTENT, path)
     try:
         # A device is not even opened: a watchdog would start, a serial line would reset its peer.
         _require_regular(path.stat())

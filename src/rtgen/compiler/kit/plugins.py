@@ -15,6 +15,7 @@ from typing import TYPE_CHECKING, Any, TypeVar
 
 from rtgen.compiler.diagnostics import InputError, ToolError
 from rtgen.facts.files import MAX_BYTES, read_start
+from rtgen.facts.looks import NAMES, look
 
 if TYPE_CHECKING:  # lazily: takes as long as all imports for IDL
     from importlib import metadata
@@ -168,6 +169,7 @@ def _sections(search_path: tuple[tuple[str, int], ...]) -> frozenset[bytes] | No
         folder = Path(place)
         if not folder.is_dir():  # an archive
             return None
+        look(NAMES, folder)
         for name in os.listdir(folder):  # noqa: PTH208 (time)
             if name == "EGG-INFO" or name.endswith(".egg"):
                 return None

@@ -24,7 +24,7 @@ from rtgen.compiler.project.rules import (
 )
 from rtgen.compiler.project.skeletons import is_skeleton
 from rtgen.facts.encodings import decode
-from rtgen.facts.files import UnreadableError, is_file, read_file
+from rtgen.facts.files import UnreadableError, exists, is_file, modules_in, read_file
 
 RULES = (
     LEFTOVER_SKELETON,
@@ -56,7 +56,7 @@ def awaited(project: Project, artifacts: Sequence[Artifact]) -> frozenset[str]:
     missing = [
         each
         for each in artifacts
-        if each.owner is Owner.USER and not (project.skeletons / each.path).exists()
+        if each.owner is Owner.USER and not exists(project.skeletons / each.path)
     ]
     return Behaviours(project, artifacts).awaited() if missing else frozenset()
 
@@ -242,7 +242,7 @@ def modules(project: Project, artifacts: Sequence[Artifact]) -> list[Path]:
         if artifact.owner is Owner.USER:
             folders.add((project.skeletons / artifact.path).parent)
     try:
-        files = [f for each in sorted(folders) for f in sorted(each.glob("*.py"))]
+        files = [f for each in sorted(folders) for f in modules_in(each)]
     except OSError as error:
         raise ToolError(f"cannot read {error.filename}: {error.strerror}") from error
     return [file for file in files if is_file(file)]

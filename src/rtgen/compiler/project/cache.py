@@ -11,9 +11,8 @@ import contextlib
 import json
 import os
 import re
-import stat
 import sys
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec
@@ -25,16 +24,19 @@ import msgspec
 from rtgen.compiler.backends import Artifact, ComponentTypes, Owner
 from rtgen.compiler.diagnostics import Diagnostic, Related, Severity, Span
 from rtgen.compiler.kit import stages
+from rtgen.compiler.kit.own_files import (
+    RUNS,
+    compiler_folders,
+    is_own,
+    read_own,
+    stamp,
+    stamp_of,
+    user_folder,
+)
 from rtgen.compiler.project.compilation import Compilation, Declared
 from rtgen.compiler.project.kinds import is_component_profile
 from rtgen.compiler.project.loading import Project
-from rtgen.facts import version
-from rtgen.facts.files import (
-    MAX_BYTES,
-    open_file,
-    read_start,
-    write_atomically,
-)
+from rtgen.facts.files import MAX_BYTES, read_start, write_atomically
 
 if TYPE_CHECKING:
     from importlib import metadata
@@ -45,17 +47,9 @@ _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 
 _MAX_ENTRIES = 128
 _MAX_BYTES = 64 * 1024 * 1024
-_ENTRY = re.compile(r"[0-9a-f]{64}\.json|\.[0-9a-f]{64}\.json\.\d+")
-_PACKAGE = Path(__file__).parents[2]
-_RUNTIME = Path(version.__file__).parents[1]
-_COMPILER = (
-    *(_PACKAGE / name for name in ("compiler", "openrtm", "ros2", "templates")),
-    *(_RUNTIME / name for name in ("facts", "small_runtime")),
-)
-"""The folders whose files affect the output."""
+_NAME = r"[0-9a-f]{64}\.json|[0-9a-f]{8}\.answer"
+_ENTRY = re.compile(rf"{_NAME}|\.({_NAME})\.\d+")
 
-
-_File: TypeAlias = os.DirEntry[str] | Path
 _Place: TypeAlias = tuple[str, int, int, int, int]
 _Finding: TypeAlias = tuple[
     str, Severity, str, _Place | None, list[tuple[_Place, str]], str | None
@@ -108,7 +102,7 @@ class Cache:
             sys.version_info[:3],
             _compiler(),
             [(name, _version(name)) for name in _LIBRARIES.get(result, ())],
-            [(e.name, e.value, _stamp(_plugin_files(e))) for e in plugins],
+            [(e.name, e.value, _plugin(e)) for e in plugins],
             str(Path.cwd()),
             str(project.root),
             list(map(str, project.sources)),
@@ -167,18 +161,13 @@ class Cache:
     def load(self, key: str) -> Compilation | None:
         """Return the entry of a key, if it exists and its dependencies are unchanged."""
         file = self._file(key)
+        content = read_own(str(file), _MAX_BYTES + 1) or b""
+        digest, _, payload = content.partition(b"\n")
+        if digest != sha256(payload).hexdigest().encode():
+            return None
         try:
-            if not (_is_own(self._folder) and _is_own(file) and file.is_file()):
-                return None
-            with open_file(file) as stream:
-                if not _is_owned(os.fstat(stream.fileno())):  # exchanged meanwhile
-                    return None
-                content = stream.read(_MAX_BYTES + 1)
-            digest, _, payload = content.partition(b"\n")
-            if digest != sha256(payload).hexdigest().encode():
-                return None
             entry = msgspec.json.decode(payload, type=_Entry)
-        except (OSError, ValueError):
+        except ValueError:
             return None
         dependencies = entry["dependencies"]
         if any(hash_of(Path(path)) != digest for path, digest in dependencies.items()):
@@ -214,13 +203,17 @@ class Cache:
             "declared": [[d.key, d.name, _span_entry(d.span)] for d in run.declared],
         }
         payload = json.dumps(entry).encode()
+        data = sha256(payload).hexdigest().encode() + b"\n" + payload
+        self.write(self._file(key).name, data)
+
+    def write(self, name: str, data: bytes) -> None:
+        """Write a file, unless the folder is read-only or another user's."""
         with contextlib.suppress(OSError):
             self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            if not _is_own(self._folder, sole_writer=False):
+            if not is_own(str(self._folder), sole_writer=False):
                 return
             self._folder.chmod(0o700)
-            data = sha256(payload).hexdigest().encode() + b"\n" + payload
-            write_atomically(self._file(key), data, mode=0o600)
+            write_atomically(self._folder / name, data, mode=0o600)
             self._trim()
 
     def _file(self, key: str) -> Path:
@@ -242,34 +235,9 @@ class Cache:
                 file.unlink(missing_ok=True)
 
 
-def user_folder() -> Path:
-    """Return the user's folder of caches: `RTGEN_CACHE_DIR`, or the system's cache folder."""
-    folder = os.environ.get("RTGEN_CACHE_DIR")
-    if not folder:
-        from platformdirs import user_cache_dir
-
-        folder = user_cache_dir("rtgen", appauthor=False)
-    return Path(folder).absolute()
-
-
 def default() -> Cache:
     """Return the user's cache."""
-    return Cache(user_folder() / "runs")
-
-
-def _is_own(path: Path, *, sole_writer: bool = True) -> bool:
-    """Return whether only this user can write to a path, or set a link there. Raises OSError."""
-    if sys.platform == "win32":  # user profiles are private
-        return True
-    is_ours = path.lstat().st_uid == os.geteuid()
-    return is_ours and _is_owned(path.stat(), sole_writer=sole_writer)
-
-
-def _is_owned(status: os.stat_result, *, sole_writer: bool = True) -> bool:
-    if sys.platform == "win32":
-        return True
-    shared = sole_writer and status.st_mode & (stat.S_IWGRP | stat.S_IWOTH)
-    return status.st_uid == os.geteuid() and not shared
+    return Cache(Path(user_folder()) / RUNS)
 
 
 def _files_in_diagnostics(run: Compilation) -> set[str]:
@@ -299,53 +267,25 @@ def hash_of(path: Path) -> str | None:
         return None
 
 
-def _stamp(files: Iterator[_File]) -> str:
-    """Return a hash of paths, sizes and times of files, which takes less time than their contents.
-
-    A changed file has another time of change (on Windows of modification), whatever sets its times.
-    """
-    stamps = []
-    for file in files:
-        status = file.stat()
-        times = f"{status.st_mtime_ns} {status.st_ctime_ns}"
-        stamps.append(f"{os.fspath(file)}\0{status.st_size} {times}")
-    return sha256(os.fsencode("\0".join(stamps))).hexdigest()
-
-
 @cache
 def _compiler() -> str:
     """Return the stamp of the compiler, which does not change while it runs."""
-    return _stamp(_compiler_files())
+    return _hash(stamp(compiler_folders()))
 
 
-def _compiler_files() -> Iterator[_File]:
-    """Yield the files of rtgen that affect the output; pages only explain it."""
-    beside = _PACKAGE.parent.parent / "grammars"
-    packed = _PACKAGE / "grammars"
-    for folder in (*_COMPILER, packed if packed.is_dir() else beside):
-        yield from _files_below(folder, skip=("__pycache__", "pages"))
+def _hash(text: str) -> str:
+    return sha256(os.fsencode(text)).hexdigest()
 
 
-def _plugin_files(entry: metadata.EntryPoint) -> Iterator[_File]:
-    """Yield the files of a plug-in's package."""
+def _plugin(entry: metadata.EntryPoint) -> str:
+    """Return the stamp of a plug-in's package."""
     spec = find_spec(entry.module.partition(".")[0])
-    if spec is not None:
-        for folder in filter(os.path.isdir, spec.submodule_search_locations or ()):
-            yield from _files_below(folder, skip=("__pycache__",))
-        if spec.origin and not spec.submodule_search_locations:
-            yield Path(spec.origin)
-
-
-def _files_below(
-    folder: str | Path, skip: Collection[str]
-) -> Iterator[os.DirEntry[str]]:
-    with os.scandir(folder) as entries:
-        for entry in sorted(entries, key=lambda entry: entry.name):
-            if entry.is_dir(follow_symlinks=False):
-                if entry.name not in skip:
-                    yield from _files_below(entry.path, skip)
-            elif entry.is_file():
-                yield entry
+    if spec is None:
+        return ""
+    folders = [*filter(os.path.isdir, spec.submodule_search_locations or ())]
+    if spec.origin and not spec.submodule_search_locations:
+        return _hash(stamp_of(spec.origin))
+    return _hash(stamp(folders, skip=("__pycache__",)))
 
 
 def _diagnostic_entry(d: Diagnostic) -> list[object]:

@@ -28,7 +28,7 @@ from rtgen.compiler.project.rules import (
 )
 from rtgen.facts.decoded_text import NAMES
 from rtgen.facts.encodings import decode
-from rtgen.facts.files import UnreadableError, read_file
+from rtgen.facts.files import UnreadableError, exists, read_file
 from rtgen.facts.numeric import FORMS
 
 _HEADER = re.compile(r"\s*\[\s*([^\[\]]+?)\s*\]")
@@ -197,7 +197,7 @@ class Settings:
         """Yield diagnostics for missing paths of `[sources]`."""
         for key in ("paths", "include"):
             for path in self.texts("sources", key):
-                if not (root / path).exists():
+                if not exists(root / path):
                     yield PATH_MISSING.at(
                         self.span("sources", key, path), f"no file or folder {path!r}"
                     )

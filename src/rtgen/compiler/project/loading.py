@@ -43,6 +43,7 @@ from rtgen.facts import python_modules
 from rtgen.facts.adapter_constants import constants
 from rtgen.facts.file_names import is_device
 from rtgen.facts.file_names import problem as path_problem
+from rtgen.facts.files import is_folder
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.facts.numeric import Numeric
 from rtgen.facts.version import __version__
@@ -396,7 +397,7 @@ def require_sources(project: Project) -> None:
 def _without_definitions(paths: Iterable[Path], output: Path) -> Iterator[Diagnostic]:
     """Yield diagnostics for folders in which there is nothing to read."""
     for path in paths:
-        if path.is_dir() and not below(path, output):
+        if is_folder(path) and not below(path, output):
             message = f"no definition file is in the folder {path.as_posix()}"
             yield SOURCE_NONE.at(None, message, hint=searched())
 
@@ -418,7 +419,7 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
         message = f"{path.as_posix()} is a system, of which {target!r} makes nothing"
         hint = f"--target {SYSTEMS_TARGET}; or rtgen run, rtgen graph"
         return SOURCE_KIND.at(None, message, hint=hint)
-    if path.is_dir() or is_definition(path):
+    if is_folder(path) or is_definition(path):
         return None
     if path.suffix.lower() == ".toml" and path.name != FILE_NAME:
         return None  # given as a bus file: its reader reports errors

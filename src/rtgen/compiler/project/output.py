@@ -35,7 +35,17 @@ from rtgen.compiler.project.rules import (
     NAME_TOO_LONG,
     SAME_PATH,
 )
-from rtgen.facts.files import MAX_BYTES, read_file, read_start
+from rtgen.facts.files import (
+    MAX_BYTES,
+    exists,
+    in_order,
+    is_file,
+    is_folder,
+    read_file,
+    read_start,
+    walk,
+)
+from rtgen.facts.looks import LINK, look
 from rtgen.facts.version import __version__
 
 MANIFEST = ".rtgen.json"
@@ -116,7 +126,7 @@ def _plan(project: Project, run: Compilation, awaited: frozenset[str]) -> Plan:
     absent = [
         (place, a)
         for place, a in users
-        if a.path not in awaited and not os.path.lexists(place)
+        if a.path not in awaited and not exists(place, as_link=True)
     ]
     ours = [a.path for a in own]
     contents = {a.path: a.text.encode() for a in own}
@@ -259,7 +269,7 @@ def component_types(output: Path) -> ComponentTypes:
 def _former(output: Path) -> list[str]:
     """Return the files named by the manifest on the disk; none if it is missing or damaged."""
     file = output / MANIFEST
-    if not file.is_file():
+    if not is_file(file):
         return []
     try:
         content = json.loads(read_file(file))
@@ -338,7 +348,7 @@ def _check(project: Project, artifacts: Sequence[Artifact]) -> None:
     theirs = [
         a
         for a in artifacts
-        if a.owner is Owner.USER and not os.path.lexists(_place(project, a))
+        if a.owner is Owner.USER and not exists(_place(project, a), as_link=True)
     ]
     findings = [
         *_check_links(project, project.output, [*ours, MANIFEST]),
@@ -355,6 +365,7 @@ def _check_links(
     """Yield diagnostics for links on the path from the folder to each file, and for the folder."""
     if not paths:
         return
+    look(LINK, folder)
     if not Path(os.path.realpath(folder)).is_relative_to(
         os.path.realpath(project.base)
     ):
@@ -403,7 +414,7 @@ def _check_hiding(project: Project, absent: Iterable[Artifact]) -> Iterator[Diag
         place = _place(project, artifact)
         behaviour = place.with_stem(place.stem.rstrip("_"))
         base = _BASE_IMPORT.search(artifact.text)
-        if behaviour == place or base is None or not behaviour.is_file():
+        if behaviour == place or base is None or not is_file(behaviour):
             continue
         with _disk_failures():
             content = read_start(behaviour, MAX_BYTES)
@@ -427,7 +438,7 @@ def _tree(output: Path) -> tuple[set[str], set[str], list[Path]]:
     there: set[str] = set()
     names: set[str] = set()
     temporary = []
-    for parent, folders, files in os.walk(output):
+    for parent, folders, files in walk(output):
         here = Path(parent)
         below = here.relative_to(output).as_posix()
         if below != ".":
@@ -451,9 +462,9 @@ def _is_temporary(name: str) -> bool:
 
 
 def _temporary_in(folder: Path) -> list[Path]:
-    if not folder.is_dir():
+    if not is_folder(folder):
         return []
-    return sorted(f for f in folder.iterdir() if _is_temporary(f.name))
+    return [f for f in in_order(folder) if _is_temporary(f.name)]
 
 
 def _difference(path: Path, data: bytes) -> list[Change]:

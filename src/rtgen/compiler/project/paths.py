@@ -7,7 +7,7 @@ from collections.abc import Iterable, Iterator
 from pathlib import Path
 
 from rtgen.compiler.project.kinds import FILE_NAME, is_definition, is_generated
-from rtgen.facts.files import is_file
+from rtgen.facts.files import in_order, is_file, is_folder, walk
 
 RENAME_JOURNAL = ".rtgen-rename.json"
 """The file beside rtgen.toml that a rename has until it is complete."""
@@ -40,10 +40,10 @@ def shown(path: Path) -> str:
 def tecs_path() -> tuple[Path, ...]:
     """Return the folder that TECSPATH names, and its subfolders."""
     name = os.environ.get("TECSPATH")
-    if not name or not Path(name).is_dir():
+    if not name or not is_folder(Path(name)):
         return ()
     folder = Path(name).absolute()
-    return (folder, *sorted(p for p in folder.iterdir() if p.is_dir()))
+    return (folder, *(p for p in in_order(folder) if p.is_dir()))
 
 
 def normal(path: Path) -> Path:
@@ -55,7 +55,7 @@ def files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
     """Yield the definition files given, and those below the given folders, sorted and unique."""
     seen: set[Path] = set()
     for path in paths:
-        candidates = below(path, skip) if path.is_dir() else [path]
+        candidates = below(path, skip) if is_folder(path) else [path]
         for file in candidates:
             key = normal(file.absolute())
             if key not in seen:
@@ -66,7 +66,7 @@ def files(paths: Iterable[Path], skip: Path) -> Iterator[Path]:
 def below(folder: Path, skip: Path) -> list[Path]:
     """Return the definition files below a folder, sorted, without hidden folders and `skip`."""
     paths = []
-    for parent, folders, files in os.walk(folder):
+    for parent, folders, files in walk(folder):
         here = Path(parent)
         folders[:] = [
             f

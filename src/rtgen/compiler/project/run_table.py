@@ -12,6 +12,7 @@ from rtgen.compiler.diagnostics import Diagnostic, InputError, Span
 from rtgen.compiler.project.paths import find, normal, shown, shown_path
 from rtgen.compiler.project.rules import PATH_MISSING, RUN_CONFLICT
 from rtgen.compiler.project.transport_names import ENGINES
+from rtgen.facts.files import exists, is_file, is_folder
 
 if TYPE_CHECKING:
     from rtgen.compiler.project.file import Settings
@@ -77,9 +78,9 @@ def run_findings(settings: Settings, root: Path) -> Iterator[Diagnostic]:
     if "system" in section:
         path = root / section["system"]
         what = ""
-        if not path.exists():
+        if not exists(path):
             what = "no file or folder"
-        elif path.is_dir() and not (path / "system.xml").is_file():
+        elif is_folder(path) and not is_file(path / "system.xml"):
             what = "no system.xml in the folder"
         if what:
             message = f"{what} {section['system']!r}"

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import os
 from collections.abc import Iterator
 from difflib import get_close_matches
 from itertools import islice
@@ -13,6 +12,7 @@ from rtgen.compiler.diagnostics import Diagnostic, Span
 from rtgen.compiler.project import file as project_file
 from rtgen.compiler.project.paths import normal, shown_path
 from rtgen.compiler.project.rules import PATH_MISSING, PATH_OVERLAP, UNKNOWN_TEMPLATE
+from rtgen.facts.files import is_folder, walk
 
 _MAX_FILES = 1000
 """Maximum number of files that are looked at in the folder."""
@@ -34,7 +34,7 @@ def templates_of(
     if folder is None:
         return {}, []
     span = settings.span("templates", "path")
-    if not folder.is_dir():
+    if not is_folder(folder):
         path = settings.text("templates", "path", "")
         return {}, [PATH_MISSING.at(span, f"no folder {path!r}")]
     if folder == root or folder.is_relative_to(output):
@@ -64,6 +64,6 @@ def _unknown(path: Path, name: str) -> Diagnostic:
 
 def _files(folder: Path) -> Iterator[Path]:
     """Yield the files below the folder, in order, without hidden ones."""
-    for parent, folders, files in os.walk(folder):
+    for parent, folders, files in walk(folder):
         folders[:] = sorted(f for f in folders if not f.startswith("."))
         yield from (Path(parent, f) for f in sorted(files) if not f.startswith("."))

@@ -4,13 +4,16 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from contextvars import ContextVar
 
 import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.diagnostics.printable import printable
 
+_OUTPUT: ContextVar[list[str | bytes] | None] = ContextVar("output", default=None)
 _DOCUMENTS = ("json", "sarif")
 _MAX_DEVIATIONS = 3
 """Deviations of a description of a device that are printed one by one."""
@@ -47,7 +50,7 @@ class Console(msgspec.Struct, frozen=True):
             if fold and self.form == "text":
                 diagnostics, folded = _folded(diagnostics)
             text = report(diagnostics, sources or {}, self.form, colour=self.colour)
-            sys.stderr.write(text)
+            _write_error(text)
             for file, what in folded.items():
                 self.say(f"{file}: {what} are tolerated; rtgen lint shows them")
             if summarised:
@@ -67,12 +70,30 @@ class Console(msgspec.Struct, frozen=True):
 
             findings = [d for diagnostics in self._held for d in diagnostics]
             self._held.clear()
-            sys.stderr.write(report(findings, {}, self.form))
+            _write_error(report(findings, {}, self.form))
 
     def say(self, text: str) -> None:
         """Print a line for people, unless quiet or in a machine-readable form."""
         if text and not self.quiet and self.form == "text":
-            sys.stderr.write(printable(f"{text}\n", "\n\t"))
+            _write_error(printable(f"{text}\n", "\n\t"))
+
+
+@contextmanager
+def noted_output() -> Iterator[list[str | bytes]]:
+    """Within the block, what is printed is noted: texts on standard error, octets on output."""
+    output: list[str | bytes] = []
+    token = _OUTPUT.set(output)
+    try:
+        yield output
+    finally:
+        _OUTPUT.reset(token)
+
+
+def _write_error(text: str) -> None:
+    output = _OUTPUT.get()
+    if output is not None:
+        output.append(text)
+    sys.stderr.write(text)
 
 
 def _folded(
@@ -122,6 +143,9 @@ def write_out(text: str | bytes) -> None:
         sys.stdout.flush()
         if isinstance(text, str):
             text = for_output(text).encode("utf-8", "backslashreplace")
+        output = _OUTPUT.get()
+        if output is not None:
+            output.append(text)
         sys.stdout.buffer.write(text)
         sys.stdout.buffer.flush()
     except BrokenPipeError:

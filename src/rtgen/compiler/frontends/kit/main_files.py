@@ -8,6 +8,8 @@ from pathlib import Path
 from rtgen.compiler.diagnostics import Diagnostic, Rule, Span
 from rtgen.compiler.frontends.kit.library import F, Library
 from rtgen.compiler.frontends.kit.suggestions import nearest
+from rtgen.facts import files
+from rtgen.facts.looks import NAMES, look
 
 
 def open_main(
@@ -34,9 +36,10 @@ def open_main(
         report(unreadable.at(span, f"{shown} cannot be read: {reason}"))
         return None
     if source is None:
-        there = path.exists()
+        there = files.exists(path)
         state = "is not a regular file" if there else "does not exist"
         message = f"{shown} {'is a folder' if path.is_dir() else state}"
+        look(NAMES, path.parent)
         others = path.parent.glob(beside)
         near = nearest(path.name, (p.name for p in others if p.is_file()))
         hint = f"did you mean {near}?" if near and not there else None

@@ -43,7 +43,7 @@ def read(path: Path, file: str, report: Callable[[Diagnostic], None]) -> bytes |
     try:
         return files.read_file(path, _MAX_BYTES)
     except UnreadableError as error:
-        near = None if path.exists() else _near(path)
+        near = None if files.exists(path) else _near(path)
         hint = f"did you mean {Path(file).with_name(near)}?" if near else None
         report(UNREADABLE.at(None, f"cannot open {file}: {error}", hint=hint))
         return None
@@ -52,7 +52,7 @@ def read(path: Path, file: str, report: Callable[[Diagnostic], None]) -> bytes |
 def _near(path: Path) -> str | None:
     """Return the name of the profile that a missing file is likely meant as."""
     try:
-        names = [each.name for each in path.parent.iterdir()]
+        names = [each.name for each in files.in_order(path.parent)]
     except OSError:
         return None
     of_profiles = [n for n in names if n.lower().endswith((".xml", *YAML_SUFFIXES))]
