@@ -184,9 +184,9 @@ def _costs(stretches: Sequence[Stretch]) -> list[dict[int, int]]:
         number = max(0, bisect_left(positions, high) - bisect_right(positions, low))
         low, high = ranges[second]
         positions = sides[first][1]
-        return number + max(
-            0, bisect_left(positions, high) - bisect_right(positions, low)
-        )
+        number += max(0, bisect_left(positions, high) - bisect_right(positions, low))
+        # A wire that joins another one does so behind the place where that one parts.
+        return number + 2 * len(stretches[first].after & stretches[second].before)
 
     for index, others in enumerate(_overlapping(ranges)):
         source = stretches[index].source
