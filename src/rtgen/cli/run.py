@@ -87,6 +87,12 @@ from rtgen.tools.running.transports import TransportOptions
     click.option(
         "--log", metavar="FILE", help="Write states and samples as JSON lines."
     ),
+    click.option(
+        "--json",
+        "as_json",
+        is_flag=True,
+        help="Print the report as JSON (rtgen-run/1).",
+    ),
 )
 @with_recording
 @with_live
@@ -128,6 +134,7 @@ def run(
     table: tuple[str, ...],
     picture: tuple[str, ...],
     log: str | None,
+    as_json: bool,
     checkpoints: str | None,
     inactive: bool,
     supervise: str | None,
@@ -158,6 +165,7 @@ def run(
         table=table,
         picture=picture,
         log=log,
+        as_json=as_json,
         checkpoints=checkpoints,
         inactive=inactive,
         check_values=check_values,

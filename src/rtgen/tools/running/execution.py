@@ -32,7 +32,7 @@ from rtgen.tools.running.progress import Progress, progress
 from rtgen.tools.running.recording_options import tell_missing
 from rtgen.tools.running.ros2_time import RosTime
 from rtgen.tools.running.run_view import View
-from rtgen.tools.running.summary import Outcome, summary
+from rtgen.tools.running.summary import Outcome, as_json, summary
 from rtgen.tools.running.texts import ERROR, name_of
 from rtgen.tools.running.trajectory import Sample, draw, opened, write_csv
 
@@ -88,7 +88,9 @@ def executed(plan: Plan, console: Console) -> int:
     lacking = run.tell_missing()
     report.close()
     run.draw()
-    if not console.quiet:
+    if options.as_json:
+        write_out(as_json(outcome))
+    elif not console.quiet:
         write_out(summary(outcome))
     failed = options.shown_failures.counted and (
         report.raised or run.has_failed(outcome)
@@ -196,6 +198,7 @@ class _Run:
             )
             end.on_signal(self._running.end_run, before_exit)
             limit = _limit(plan.condition, plan.options.needs_end)
+            self._running.measure_latencies()
             return _run(self._running, plan.condition, report, limit)
 
     def outcome(self, met: bool, wall: float) -> Outcome:

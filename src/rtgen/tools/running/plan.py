@@ -72,6 +72,7 @@ class RunOptions:
     table: tuple[str, ...] = ()
     picture: tuple[str, ...] = ()
     log: str | None = None
+    as_json: bool = False
     checkpoints: str | None = None
     check_values: str = "first"
     inactive: bool = False

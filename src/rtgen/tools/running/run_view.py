@@ -148,6 +148,7 @@ class View:
             measured=measured,
             tolerance=self._tolerance,
             end=self._end(condition, met),
+            latencies=self._running.latencies,
         )
 
     def _row(self, instance: str, blocked: Mapping[str, object]) -> Row:

@@ -7,11 +7,17 @@ from collections.abc import Container, Iterable, Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
+import msgspec
+
 from rtgen.compiler.systems.measures import Result
+from rtgen.runtime.system.latency import Latency
 from rtgen.tools.running.trajectory import Pose
 
 _MEASURES = ("measure", "from", "until", "least", "greatest", "allowed", "kept")
 _NEVER = 1e9
+_LATENCIES = ("samples", "median [ms]", "99 % [ms]", "greatest [ms]", "chain")
+_MAX_CHAINS = 8
+"""Number of chains in the report; --json has all that are measured."""
 _HEADER = ("instance", "state", "ticks", "overruns", "lost")
 
 
@@ -60,6 +66,8 @@ class Outcome:
     """What has happened to connections to other processes."""
     end: tuple[str, str] | None = None
     """`met` or `not met`, and the condition, for a run that waited for a state."""
+    latencies: Sequence[Latency] = ()
+    """Of the samples along chains of connections, the longest chains first."""
 
     @property
     def errors(self) -> tuple[float, float] | None:
@@ -100,6 +108,12 @@ def summary(outcome: Outcome) -> str:
     lines += [f"{name:<{width}}  {value}" for name, value in results]
     if outcome.measured:
         lines += ["", *table(_MEASURES, map(_measured, outcome.measured), (0, 5, 6))]
+    chains = [each for each in outcome.latencies if each.samples]
+    if chains:
+        shown = map(_latency, chains[:_MAX_CHAINS])
+        lines += ["", *table(_LATENCIES, shown, texts=(4,))]
+    if len(chains) > _MAX_CHAINS:
+        lines.append(f"chains that are not shown: {len(chains) - _MAX_CHAINS} (--json)")
     reasons = [note for row in outcome.rows for note in row.notes]
     reasons += outcome.links
     if outcome.missed:
@@ -107,6 +121,48 @@ def summary(outcome: Outcome) -> str:
     if reasons:
         lines += ["", *reasons]
     return "".join(f"{line}\n" for line in lines)
+
+
+def as_json(outcome: Outcome) -> str:
+    """Return the report as JSON."""
+    document = {
+        "schema": "rtgen-run/1",
+        "components": [
+            {
+                "instance": row.instance,
+                "state": row.state,
+                "ticks": row.ticks,
+                "overruns": row.overruns,
+                "lost": row.lost,
+                "notes": row.notes,
+            }
+            for row in outcome.rows
+        ],
+        "simulated" if outcome.wall is not None else "elapsed": outcome.time,
+        "wall": outcome.wall,
+        "end": outcome.end
+        and {"met": outcome.end[0] == "met", "state": outcome.end[1]},
+        "goal": outcome.goal,
+        "poses": dict(outcome.poses),
+        "measures": [
+            {
+                "name": each.measure.name,
+                "seen": each.seen,
+                "kept": each.kept,
+            }
+            for each in outcome.measured
+        ],
+        "links": outcome.links,
+        "missed": outcome.missed,
+        "latencies": outcome.latencies,
+    }
+    encoded = msgspec.json.encode(document)
+    return msgspec.json.format(encoded, indent=2).decode() + "\n"
+
+
+def _latency(chain: Latency) -> tuple[str, ...]:
+    times = (chain.median, chain.late, chain.greatest)
+    return str(chain.samples), *(f"{time / 1e6:.3f}" for time in times), chain.name
 
 
 def _count(number: int | None) -> str:

@@ -77,7 +77,7 @@ class RingBuffer(Generic[T]):
         policy = self.settings.full_policy
         if policy is FullPolicy.OVERWRITE:
             self.overwritten += 1
-            self.take()
+            self.drop()
             return None
         if policy is FullPolicy.DO_NOTHING:
             return PortStatus.BUFFER_FULL
@@ -99,12 +99,18 @@ class RingBuffer(Generic[T]):
             self.arrivals.remove(self)
         return self.samples.popleft()
 
+    def drop(self) -> None:
+        """Remove the oldest sample, which nobody reads; the caller holds the guard."""
+        if self.arrivals is not None:
+            self.arrivals.remove(self)
+        del self.samples[0]
+
     def close(self) -> int:
         """Wake waiting threads, drop unread samples and return their number."""
         with self.guard:
             self.closed = True
             unread = len(self.samples)
             while self.samples:
-                self.take()
+                self.drop()
             self.guard.notify_all()
         return unread

@@ -123,7 +123,10 @@ class InPort(Generic[T]):
         with self._guard:
             newest = None
             while (buffer := self._oldest()) is not None:
-                self._last = newest = buffer.take()
+                if len(self._unread) > 1:
+                    buffer.drop()
+                else:
+                    self._last = newest = buffer.take()
             self._guard.notify_all()
         return newest
 
@@ -534,7 +537,7 @@ class DataConnector(Generic[T]):
             if not overwrites:
                 return send(value)
             sample = snapshot(value)
-            samples.popleft()
+            del samples[0]
             buffer.overwritten += 1
             append(sample)
             return PORT_OK

@@ -46,6 +46,7 @@ from rtgen.runtime.system.joining import (
     PortAddress,
     instances_of,
 )
+from rtgen.runtime.system.latency import Latencies, Latency
 from rtgen.runtime.system.observation import Observation, connection_change
 from rtgen.runtime.system.port_names import unknown_port
 from rtgen.runtime.system.real_time import RealTimeScheduler
@@ -107,6 +108,7 @@ class System(Closable):
         )
         self._dependencies = Dependencies(self._participants, self._connectors)
         self._flow = Flow(self._participants, self._connectors)
+        self._latencies: Iterable[Latency] = ()
         self._observation = Observation(self.clock.elapsed, self.end_run)
         self._check = CheckValues(check_values)
         self._threads = Threads(threads)
@@ -436,6 +438,16 @@ class System(Closable):
         Each is a pair of instances. Only before the first `run`.
         """
         self._flow.further += flow
+
+    def measure_latencies(self) -> None:
+        """Measure from now on the latencies of the chains of connections that there are now."""
+        components = {name: self.component(name) for name in self.instances}
+        self._latencies = Latencies(components, self.connectors, self.clock.elapsed)
+
+    @property
+    def latencies(self) -> tuple[Latency, ...]:
+        """Latencies of samples along chains of connections, the longest chains first."""
+        return tuple(self._latencies)
 
     def end_run(self, error: BaseException) -> None:
         """Make `run` raise the error after the current step. Can be called from any thread.

@@ -1,0 +1,331 @@
+"""Latency of samples along chains of connections.
+
+A chain begins with an OutPort of a component that reads nothing, or where samples come from another
+process. It ends with an InPort of a component that writes nothing, with an OutPort whose samples
+leave the process, or where a cycle is cut, as for the order of ticks. What a component writes is
+made of what it has read last. A sample counts once: when something made of it is read at the end.
+"""
+
+from __future__ import annotations
+
+from collections import deque
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from heapq import heappop, heappush
+from itertools import count, pairwise
+from typing import Any
+
+import msgspec
+
+from rtgen.runtime.ports.buffers import RingBuffer
+from rtgen.runtime.ports.data_ports import DataConnector, OutPort
+from rtgen.runtime.return_codes import PORT_OK, PortStatus
+from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.system.flow import in_order_of_flow
+
+MAX_CHAINS = 64
+"""Number of chains that are measured, the longest ones."""
+_MAX_VALUES = 4096
+"""Number of different latencies of a chain that are counted exactly; others are rounded."""
+_BITS = 10
+"""Precision of those others."""
+
+_Origin = tuple[Any, ...] | None
+"""Where a sample comes from: the time of its write [ns], if a chain begins with it, then the
+origins of what its component had read last. One that has a single origin and no time is that
+origin itself.
+"""
+
+
+class Latency(msgspec.Struct, frozen=True, gc=False):
+    """Latencies of the samples of a chain [ns], from the first write to the last read.
+
+    `ports` are those of the chain in order, `late` is the 99th percentile.
+    """
+
+    name: str
+    ports: tuple[str, ...]
+    samples: int
+    least: int = 0
+    median: int = 0
+    late: int = 0
+    greatest: int = 0
+
+
+class Latencies:
+    """Measures the chains of the connections that exist when it is made."""
+
+    def __init__(
+        self,
+        components: Mapping[str, Component],
+        connectors: Iterable[Any],
+        now: Callable[[], int],
+    ) -> None:
+        paths = _longest_paths(_ways(components, connectors), MAX_CHAINS)
+        inputs: dict[str | None, list[_Way]] = {}
+        for way in dict.fromkeys(way for path in paths for way in path):
+            way.is_first = any(path[0] is way for path in paths)
+            way.inputs = inputs.get(way.source, []) if way.source is not None else []
+            if not way.is_cut and way.target is not None:
+                inputs.setdefault(way.target, []).append(way)
+        self._chains = [_Chain(path) for path in paths]
+        ends: dict[_Way, list[_Chain]] = {}
+        for chain, path in zip(self._chains, paths, strict=True):
+            ends.setdefault(path[-1], []).append(chain)
+        for way in dict.fromkeys(way for path in paths for way in path):
+            _measure(way, ends.get(way, []), now)
+
+    def __iter__(self) -> Iterator[Latency]:
+        """Yield the latencies so far, those of the longest chains first."""
+        for chain in self._chains:
+            yield chain.latency()
+
+
+class _Chain:
+    """`steps` are the places in the origin of a last sample that lead to that of the first."""
+
+    __slots__ = ("counts", "last", "name", "ports", "steps")
+
+    def __init__(self, path: tuple[_Way, ...]) -> None:
+        self.ports = tuple(port for way in path for port in way.ports)
+        inner = [way.target or "" for way in path[:-1]]
+        if len(path[-1].ports) == 1:
+            inner.pop()  # the port of the same component is the end
+        self.name = " > ".join((self.ports[0], *inner, self.ports[-1]))
+        steps = [
+            way.is_first + way.inputs.index(before)
+            for before, way in pairwise(path)
+            if way.is_first or len(way.inputs) > 1
+        ]
+        self.steps = steps[::-1]
+        self.counts: dict[int, int] = {}
+        self.last: _Origin = None
+
+    def end(self, origin: _Origin, now: int) -> None:
+        """Count the latency of a sample at the end of the chain."""
+        for step in self.steps:
+            if origin is None:
+                return
+            origin = origin[step]
+        if origin is None or origin is self.last:
+            return
+        self.last = origin
+        latency = now - origin[0]
+        counts = self.counts
+        if latency not in counts and len(counts) >= _MAX_VALUES:
+            unit = max(latency.bit_length() - _BITS, 0)
+            latency = latency >> unit << unit
+        counts[latency] = counts.get(latency, 0) + 1
+
+    def latency(self) -> Latency:
+        """Return what was counted so far."""
+        counts = sorted(self.counts.copy().items())
+        samples = sum(number for _, number in counts)
+        if not samples:
+            return Latency(self.name, self.ports, 0)
+        median, late = (_at(counts, int(samples * part)) for part in (0.5, 0.99))
+        least, greatest = counts[0][0], counts[-1][0]
+        return Latency(self.name, self.ports, samples, least, median, late, greatest)
+
+
+def _at(counts: Iterable[tuple[int, int]], place: int) -> int:
+    value = 0
+    for value, number in counts:  # noqa: B007
+        place -= number
+        if place < 0:
+            break
+    return value
+
+
+class _Samples(deque[Any]):
+    """The samples of a buffer, with the origin of each; `origin` is that of the last one taken.
+
+    Functions of the object itself, for `append` and `popleft`, take half of the time of methods.
+    """
+
+    def __init__(
+        self, chains: Sequence[_Chain], next_origin: Any, now: Callable[[], int]
+    ) -> None:
+        super().__init__()
+        self.origin: _Origin = None
+        self._origins: deque[_Origin] = deque()
+        self._end = _end_of(chains, now) if chains else None
+        add, add_origin = super().append, self._origins.append
+        take, take_origin, end = super().popleft, self._origins.popleft, self._end
+
+        def append(sample: Any) -> None:
+            add_origin(next_origin())
+            add(sample)
+
+        def popleft() -> Any:
+            self.origin = take_origin()
+            return take()
+
+        def popleft_last() -> Any:
+            assert end is not None
+            end(take_origin())
+            return take()
+
+        vars(self).update(append=append, popleft=popleft_last if end else popleft)
+
+    def replace(self, buffer: RingBuffer[Any]) -> None:
+        """Become the samples of a buffer."""
+        with buffer.guard:
+            self.extend(buffer.samples)
+            self._origins.extend([None] * len(self))
+            buffer.samples = self
+
+    def pop(self) -> Any:  # type: ignore[override]
+        self.origin = self._origins.pop()
+        if self._end is not None:
+            self._end(self.origin)
+        return super().pop()
+
+    def clear(self) -> None:
+        self._origins.clear()
+        super().clear()
+
+    def __delitem__(self, place: Any) -> None:
+        del self._origins[place]
+        _delete(self, place)
+
+
+_delete = deque.__delitem__
+
+
+def _end_of(
+    chains: Sequence[_Chain], now: Callable[[], int]
+) -> Callable[[_Origin], None]:
+    """Return the function that is called with the origin of each sample at the end of chains."""
+    last: _Origin = None
+
+    def end(origin: _Origin) -> None:
+        nonlocal last
+        if origin is not last:
+            last, time = origin, now()
+            for chain in chains:
+                chain.end(origin, time)
+
+    return end
+
+
+def _measure(way: _Way, chains: Sequence[_Chain], now: Callable[[], int]) -> None:
+    """Measure the samples of a way; `chains` end with it."""
+    next_origin = _next_origin(way, now)
+    if way.connector is None:
+        end = _end_of(chains, now)
+
+        def leave(_: Any) -> PortStatus:
+            end(next_origin())
+            return PORT_OK
+
+        way.out_port.add_outlet(leave)
+        return
+    publisher = way.connector.publisher
+    if publisher is not None:
+        waiting = _Samples((), next_origin, now)
+        waiting.replace(publisher.waiting)
+        next_origin = lambda: waiting.origin  # noqa: E731
+    way.samples = _Samples(chains, next_origin, now)
+    way.samples.replace(way.connector.buffer)
+    way.connector.target._rewire()
+
+
+def _next_origin(way: _Way, now: Callable[[], int]) -> Callable[[], _Origin]:
+    """Return a function that returns the origin of the next sample."""
+    inputs = way.inputs
+    if way.is_first:
+        if not inputs:
+            return lambda: (now(),)
+        return lambda: (now(), *[each.samples.origin for each in inputs])
+    if len(inputs) == 1:
+        [only] = inputs
+        return lambda: only.samples.origin
+    return lambda: tuple([each.samples.origin for each in inputs])
+
+
+class _Way(msgspec.Struct, eq=False):
+    """A connection, or the way out of the process (without `connector`).
+
+    `source` and `target` are instances, None in another process. Nothing is made of the samples of
+    one that `is_cut`.
+    """
+
+    ports: tuple[str, ...]
+    source: str | None
+    target: str | None
+    out_port: OutPort[Any]
+    connector: DataConnector[Any] | None
+    is_cut: bool = False
+    place: int = -1
+    """That of the source in the order of the flow."""
+    is_first: bool = False
+    """Whether a chain begins with it."""
+    inputs: list[_Way] = []
+    """Ways of what its component reads."""
+    samples: Any = None
+
+
+def _ways(components: Mapping[str, Component], connectors: Iterable[Any]) -> list[_Way]:
+    """Return the ways of all samples, in the order of the flow."""
+    found = []
+    inner = [each for each in connectors if isinstance(each, DataConnector)]
+    for component in components.values():
+        for in_port in component.in_ports.values():
+            inner += [each for each in in_port.connectors if each not in inner]
+        for port in component.out_ports.values():
+            leaves = [c for c in port.connectors if c.target.owner not in components]
+            if leaves or port._outlets:
+                way = _Way((str(port),), port.owner, None, port, None)
+                found.append(way)
+    for each in inner:
+        source, target = each.source, each.target
+        if target.owner in components:
+            owner = source.owner if source.owner in components else None
+            ports = str(source), str(target)
+            found.append(_Way(ports, owner, target.owner, source, each))
+    order = in_order_of_flow([*components], [(w.source, w.target) for w in found])
+    places = {name: place for place, name in enumerate(order)}
+    for way in found:
+        if way.source is not None:
+            way.place = places[way.source]
+        way.is_cut = way.target is not None and places[way.target] <= way.place
+    return sorted(found, key=lambda way: way.place)
+
+
+def _longest_paths(ways: Sequence[_Way], most: int) -> list[tuple[_Way, ...]]:
+    """Return the longest chains, longest first. `ways` are in the order of the flow."""
+    writers = {way.source for way in ways}
+    inputs: dict[str | None, list[_Way]] = {}
+    length: dict[_Way, int] = {}
+    number = count()
+    begun: list[tuple[int, int, int, tuple[_Way, ...], bool]] = []
+
+    def begin(path: tuple[_Way, ...]) -> None:
+        """Add a path to those that go on to the left; that of a cycle is complete as well."""
+        first, last, size = path[0], path[-1], len(path)
+        # Of equal ones, that which is nearly complete goes on, so that few are begun.
+        place = 1 - length[first] - size, -size, next(number)
+        heappush(begun, (*place, path, False))
+        if last.is_cut and first.source == last.target and before(first):
+            heappush(begun, (-size, -size, next(number), path, True))
+
+    def before(way: _Way) -> Sequence[_Way]:
+        return inputs.get(way.source, ()) if way.source is not None else ()
+
+    for way in ways:
+        length[way] = 1 + max((length[each] for each in before(way)), default=0)
+        if way.target is not None and not way.is_cut:
+            inputs.setdefault(way.target, []).append(way)
+    for way in ways:
+        if way.is_cut or way.target is None or way.target not in writers:
+            begin((way,))
+    found: list[tuple[_Way, ...]] = []
+    while begun and len(found) < most:
+        *_, path, is_complete = heappop(begun)
+        if is_complete or not before(path[0]):
+            if path[0].connector is not None:
+                found.append(path)
+            continue
+        for way in before(path[0]):
+            begin((way, *path))
+    return found
