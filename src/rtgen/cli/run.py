@@ -149,10 +149,10 @@ def run(
 ) -> int:
     """Run a system on the embedded runtime.
 
-    SYSTEM is an RtsProfile, or a folder with system.xml and perhaps timeline.toml; it and options
-    that are missing are those of `[run]` in rtgen.toml; no system and --ros2: its boards alone.
-    Exit code 1: the end was not reached, a component ended in ERROR, or its code raised; 130:
-    interrupted. --csv and --plot INSTANCE.PORT[.MEMBER] may be repeated.
+    SYSTEM is an RtsProfile, or a folder with system.xml; it and missing options are those of
+    `[run]` in rtgen.toml; no system and --ros2: its boards alone. Exit code 1: the end was not
+    reached, a component ended in ERROR, or its code raised; 130: interrupted. --csv and --plot may
+    be repeated.
     """
     options = RunOptions(
         system=(system or BOARDS) if ros2 is not None else required(system),
