@@ -62,7 +62,7 @@ nightly: $(VENV)/uv.stamp
 	$(MAKE) --no-print-directory -j 4 dear codecs interpreters
 	$(MAKE) --no-print-directory release
 
-CHECKED = src runtime speed reference tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
+CHECKED = src runtime speed reference examples tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 
 lint: $(VENV)/test.stamp
 	$(BIN)/python tests/python_form.py $(CHECKED)

@@ -21,6 +21,7 @@ Comments are directives, and are not rendered:
 - `<!-- page: output varies -->`: for each line of output in the next block, a line with the same
   words is printed; numbers may differ, and there may be more lines.
 - `<!-- page: not run: REASON -->`: the next block needs something that tests do not have.
+- `<!-- page: needs PROGRAM -->`: the next block is run where this program is.
 """
 
 from __future__ import annotations
@@ -72,7 +73,7 @@ _COMMENT = re.compile(r"<!-- page: (.*?) -->", re.DOTALL)
 _VARYING = re.compile(r"^(wall \[s\]|ratio)( +)[\d.]+$", re.MULTILINE)
 _REPOSITORY = (
     *("specs", "generated", "reference/refnav", "benchmarks"),
-    *("rtgen.toml", "Makefile"),
+    *("rtgen.toml", "Makefile", "examples"),
 )
 _RUNS: dict[str, tuple[int, str]] = {}
 """Simulated runs of systems of the repository, whose output is reproducible."""
@@ -253,8 +254,12 @@ class Runner:
             self._command(Command(rest, "", 0))
         elif text == "output varies":
             self._varies = True
-        elif text.startswith("not run: "):
+        elif text.startswith("not run: ") or (
+            kind == "needs" and shutil.which(rest) is None
+        ):
             self._skipped = text
+        elif kind == "needs":
+            pass
         else:
             raise PageError(f"unknown directive {text!r}")
 
@@ -287,7 +292,7 @@ class Runner:
         if text.startswith("export "):
             self._set |= dict(word.split("=", 1) for word in shlex.split(text)[1:])
             return
-        if re.fullmatch(r"cd [\w.-]+", text):
+        if re.fullmatch(r"cd [\w./-]+", text):
             self._place = here / text.removeprefix("cd ")
             return
         expected = _VARYING.sub(r"\1\2?", self._with_ports(command.output))

@@ -42,6 +42,7 @@ START = (
 )
 """Pages that need no more than what `make demo` installs, and the tutorial."""
 JAPANESE = (ROOT / "README.ja.md", *sorted((ROOT / "docs" / "ja").glob("*.md")))
+EXAMPLES = sorted((ROOT / "examples").glob("*/README.md"))
 LINK = re.compile(r"\]\(([^)\s]+)\)")
 HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
 
@@ -51,7 +52,7 @@ HEADING = re.compile(r"^#+ +(.*)$", re.MULTILINE)
     "page",
     [
         pytest.param(page, marks=pytest.mark.nightly if page.stem in LONG else ())
-        for page in PAGES
+        for page in [*PAGES, *EXAMPLES]
         if page.stem not in RUN_ELSEWHERE
     ],
     ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix(),
@@ -107,7 +108,7 @@ def anchors(page: Path) -> set[str]:
 
 @pytest.mark.parametrize(
     "page",
-    [*PAGES, *JAPANESE],
+    [*PAGES, *EXAMPLES, *JAPANESE],
     ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix(),
 )
 def test_links_lead_somewhere(page: Path) -> None:
@@ -124,7 +125,7 @@ def test_links_lead_somewhere(page: Path) -> None:
 
 @pytest.mark.parametrize(
     "page",
-    [*PAGES[1:], ROOT / "docs" / "decisions" / "README.md"],
+    [*PAGES[1:], *EXAMPLES, ROOT / "docs" / "decisions" / "README.md"],
     ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix(),
 )
 def test_a_page_says_first_for_whom_it_is(page: Path) -> None:

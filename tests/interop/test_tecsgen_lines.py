@@ -1,18 +1,16 @@
 """One CDL file in rtgen and tecsgen: ports, function ids and digests agree.
 
-tecsgen 1.7 is named by RTGEN_TECSGEN, or found on the path; tests that need it are skipped without
-it.
+tecsgen 1.7 is named by RTGEN_TECSGEN, or found on the path.
 """
 
 from __future__ import annotations
 
-import os
 import re
-import shutil
 import subprocess
 from pathlib import Path
 
 import pytest
+from programs import TECSGEN, needs_tecsgen
 
 from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.tecs.backend import BACKEND
@@ -26,7 +24,6 @@ from rtgen.compiler.model.tecs import Signature, TecsUnit
 
 FOLDER = Path(__file__).parent / "tecs_lines"
 BOARD = (FOLDER / "board.cdl").read_text(encoding="utf-8")
-TECSGEN = os.environ.get("RTGEN_TECSGEN") or shutil.which("tecsgen")
 PORTS = {
     "RTCPlugin__0": 8931,
     "RTCPlugin__1": 8932,
@@ -34,8 +31,6 @@ PORTS = {
     "Join_to_through___0": 8934,
 }
 """The cells that tecsgen makes for the joins, and the ports of both halves."""
-
-needs_tecsgen = pytest.mark.skipif(TECSGEN is None, reason="tecsgen is missing")
 
 
 def _model(folder: Path, text: str = BOARD) -> Model:
