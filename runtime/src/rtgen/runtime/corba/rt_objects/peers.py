@@ -24,12 +24,13 @@ from rtgen.runtime.corba.rt_objects.wire import (
 from rtgen.runtime.errors import PortTypeError, TransportError
 from rtgen.runtime.failures import NOTE, log
 from rtgen.runtime.ports.data_ports import InPort, OutPort
-from rtgen.runtime.return_codes import RTC_OK
+from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 from rtgen.runtime.services.ports import ServicePort
 from rtgen.runtime.services.transports import LinkReport, RemotePort
 from rtgen.runtime.system.joining import Connector
 
 if TYPE_CHECKING:
+    from rtgen.runtime.corba.rt_objects.ports import PortService
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
 
 _POLL_INTERVAL = 0.05
@@ -71,6 +72,8 @@ class _Peer:
         """When the connection was made last, by `time.monotonic`; 0 before."""
         self._ended = False
         """Whether the other component has ended it, and it is to be made again."""
+        self._in_doubt = False
+        """Whether a component of rtgen has ended it, perhaps on purpose."""
         self._delay = _FIRST_DELAY
         self._due = 0.0
         self._failed = 0
@@ -130,29 +133,46 @@ class _Peer:
         port.watch(self.name, self)
         if port.has_link(self.name, other):
             self._component = component
+            self._ended = self._in_doubt = False
             return True
-        silent = port.has_lost(self.name) and self._is_known(component)
-        if silent:
-            port.end_there(self.name, other)
-        elif self.is_made_there():
+        is_known = self._is_known(component)
+        is_lost = is_known and port.has_lost(self.name)
+        if is_known and self._in_doubt and not is_lost:
+            try:
+                is_cut = not port.is_known_at(other, self.name)
+            except FAULTS:
+                return False
+            self._settle(is_cut)
+            if is_cut:
+                return True
+        if self.is_made_there() and not is_lost and not (is_known and self._ended):
             return False
-        asked = ConnectorProfile(
-            self.name,
-            self.name,
-            # Tools cut a connection at its first port, which knows that it was cut on purpose.
-            [port.reference, other],
-            values(self.requested()),
-        )
-        code, _ = port.connect(asked)
-        if code is not RTC_OK:
+        if is_lost and not self._is_rtgen:
+            port.end_there(self.name, other)
+        code = self._connect(port, other)
+        # Both ends may have tried at once.
+        if code is not RTC_OK and not port.has_link(self.name, other):
             raise PortTypeError(f"{self.there} refuses {self.here}: {code.name}")
         self._component = component
         if self._made:
             self._renewals += 1
             log.log(NOTE, "%s is connected again", self)
         self._made = time.monotonic()
-        self._ended = False
+        self._ended = self._in_doubt = False
         return True
+
+    def _connect(self, port: PortService, other: Any) -> ReturnCode_t:
+        """Connect the ports; one of the two processes does so, by request of the other, too.
+
+        Tools cut a connection at its first port, which knows that it was cut on purpose.
+        """
+        is_made_there = self.is_made_there()
+        ends = [other, port.reference] if is_made_there else [port.reference, other]
+        asked = ConnectorProfile(self.name, self.name, ends, values(self.requested()))
+        code, _ = (
+            port.ask_to_connect(other, asked) if is_made_there else port.connect(asked)
+        )
+        return code
 
     def renew(self, directory: Directory) -> bool:
         """Re-establish the connection if it was lost, or ended by a component not of rtgen.
@@ -201,9 +221,14 @@ class _Peer:
         )
 
     def on_end(self) -> None:
-        """Report the end, and make the connection again later, unless rtgen has ended it."""
+        """Report the end, and make the connection again later, unless rtgen has ended it.
+
+        That is on purpose if the other port does not have the connection any more. If it has, a
+        request to end a former one was late.
+        """
         if self._is_rtgen:
-            log.log(NOTE, "%s was cut in the other process", self)
+            self._ended = self._in_doubt = True
+            self._due = 0.0
             return
         now = time.monotonic()
         if now - self._made > _MAX_DELAY:
@@ -214,6 +239,17 @@ class _Peer:
         self._ended = True
         self._reason = f"by {self.there.instance}{self.cause_of_end()}"
         log.warning("%s was ended %s; it is made again", self, self._reason)
+
+    def _settle(self, is_cut: bool) -> None:
+        """Report an end by a component of rtgen."""
+        self._in_doubt = False
+        self._ended = not is_cut
+        if is_cut:
+            log.log(NOTE, "%s was cut in the other process", self)
+        else:
+            self._breaks += 1
+            self._reason = "by a late request"
+            log.warning("%s was ended %s; it is made again", self, self._reason)
 
     def cause_of_end(self) -> str:
         """Return why the other component may have ended the connection."""

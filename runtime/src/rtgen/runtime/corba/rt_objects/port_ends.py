@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping
-from typing import Protocol
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any, Protocol
 
 import msgspec
 
 from rtgen.runtime.corba.rt_objects.data import Losses
-from rtgen.runtime.corba.rt_objects.wire import PortInterfaceProfile
+from rtgen.runtime.corba.rt_objects.objects import Exported
+from rtgen.runtime.corba.rt_objects.wire import ConnectorProfile, PortInterfaceProfile
 from rtgen.runtime.system.joining import Connector
+
+if TYPE_CHECKING:
+    from rtgen.runtime.system.system import System
 
 
 class Offer(msgspec.Struct):
@@ -56,3 +60,26 @@ class Watcher(Protocol):
 
     def on_removal(self, connector: Connector | None) -> None:
         """The connection has been removed here, for any reason."""
+
+
+class Link(msgspec.Struct, eq=False):
+    """A connection to a port of another process; one that is made again is another one."""
+
+    profile: ConnectorProfile
+    connector: Connector | None
+    withdraw: Callable[[], None]
+
+
+class Ports(Protocol):
+    """The port services of a process."""
+
+    exported: Exported
+    system: System | None
+    ids: dict[str, str]
+    """Ids of connections made by other processes, by their names in the system."""
+
+    def at(self, connector: Connector) -> Sequence[Any]:
+        """Return the port services at which a connection ends."""
+
+    def give_up(self, place: str, reason: str) -> None:
+        """End the connections to a process that does not answer."""

@@ -4,18 +4,17 @@ from __future__ import annotations
 
 import threading
 import uuid
-from collections.abc import Callable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from typing import TYPE_CHECKING, Any, Protocol
+from typing import TYPE_CHECKING, Any
 
-import msgspec
 from msgspec.structs import replace
 from omniORB import CORBA
 
 from rtgen.runtime.corba.iors import place
 from rtgen.runtime.corba.rt_objects.data import Pulled, SentConnector
-from rtgen.runtime.corba.rt_objects.objects import CallError, Exported
-from rtgen.runtime.corba.rt_objects.port_ends import End, Offer, Watcher
+from rtgen.runtime.corba.rt_objects.objects import CallError
+from rtgen.runtime.corba.rt_objects.port_ends import End, Link, Offer, Ports, Watcher
 from rtgen.runtime.corba.rt_objects.wire import (
     PORT_SERVICE,
     ConnectorProfile,
@@ -41,35 +40,14 @@ if TYPE_CHECKING:
 _ENDS = 2
 
 
-class _Link(msgspec.Struct):
-    """A connection to a port of another process."""
-
-    profile: ConnectorProfile
-    connector: Connector | None
-    withdraw: Callable[[], None]
-
-
-class Ports(Protocol):
-    """The port services of a process."""
-
-    exported: Exported
-    system: System | None
-    ids: dict[str, str]
-    """Ids of connections made by other processes, by their names in the system."""
-
-    def at(self, connector: Connector) -> list[PortService]:
-        """Return the port services at which a connection ends."""
-
-    def give_up(self, place: str, reason: str) -> None:
-        """End the connections to a process that does not answer."""
-
-
 class _Losses:
     """What happens after a failure of a connection of a port."""
 
     def __init__(self, port: PortService, connector_id: str) -> None:
         self._port = port
         self._id = connector_id
+        self.link: Link | None = None
+        """The connection; None before it exists."""
 
     def refused(self, reason: str) -> None:
         """See `Losses`."""
@@ -79,7 +57,7 @@ class _Losses:
         """See `Losses`; a process that does not answer loses all its connections."""
         if silent:
             self._port.give_up(self._id, reason)
-        self._port.lose(self._id, reason)
+        self._port.lose(self._id, reason, self.link)
 
 
 class PortService:
@@ -91,13 +69,16 @@ class PortService:
         self.name = f"{instance}.{name}"
         self.owner: Any = None
         self._ports = ports
-        self._links: dict[str, _Link] = {}
+        self._links: dict[str, Link] = {}
         self._lost_ids: set[str] = set()
         """Connections that ended here because the other end did not respond."""
         self._cut_ids: set[str] = set()
         """Connections that this port is ending on request."""
         self._watchers: dict[str, Watcher] = {}
-        self._connecting = threading.Lock()
+        self._changing = threading.Lock()
+        """Held while a connection takes the place of one of the same id, or none does."""
+        self.connecting = threading.Lock()
+        """Held while a connection is made of which this port is the first."""
         self.reference: Any = ports.exported.serve(PORT_SERVICE, self)
 
     # Profiles
@@ -169,7 +150,8 @@ class PortService:
         first, exported = profile.ports[0], self._ports.exported
         try:
             if ends[0] is not None:
-                code, made = ends[0].notify_connect(profile)
+                with ends[0].connecting:
+                    code, made = ends[0].notify_connect(profile)
             else:
                 code, made = exported.call(
                     first, PORT_SERVICE, "notify_connect", profile
@@ -177,8 +159,21 @@ class PortService:
         except (CORBA.SystemException, CallError) as error:
             log.warning("%s: the other port cannot be reached: %s", self.name, error)
             code, made = RTC_ERROR, profile
-        if code is not RTC_OK:
+        if code not in (RTC_OK, PRECONDITION_NOT_MET):
             self._notify_all(profile)
+        return code, made
+
+    def ask_to_connect(
+        self, other: Any, profile: ConnectorProfile
+    ) -> tuple[ReturnCode_t, Any]:
+        """Make another port connect the ports of a profile, of which it is the first."""
+        try:
+            code, made = self._ports.exported.call(
+                other, PORT_SERVICE, "connect", profile
+            )
+        except (CORBA.SystemException, CallError) as error:
+            log.warning("%s: the other port cannot be reached: %s", self.name, error)
+            code, made = RTC_ERROR, profile
         return code, made
 
     def _named(self, system: System, profile: ConnectorProfile) -> str:
@@ -211,9 +206,12 @@ class PortService:
         """See `RTC::PortService`: offer interfaces, call the next port, then accept its offers."""
         system = self._ports.system
         identity = profile.connector_id
-        if identity in self._links and not self._is_same(identity, profile):
-            # The process of the other port was restarted.
+        if identity in self._links and not (
+            self._is_same(identity, profile) and self._is_known_there(identity)
+        ):
+            # The other port was restarted, or has lost the connection: it is lost here, too.
             self._forget(identity)
+            self._lost_ids.add(identity)
         if system is None or identity in self._links:
             return PRECONDITION_NOT_MET, profile
         name = self._named(system, profile)
@@ -225,6 +223,7 @@ class PortService:
         added = [*profile.properties, *values(offer.properties)]
         code, profile = self._pass_on(replace(profile, properties=added))
         connector = offer.connector
+        losses = _Losses(self, identity)
         if code is RTC_OK:
             with self._refusing() as refused:
                 # Offers of this port itself are for the other end only.
@@ -234,15 +233,15 @@ class PortService:
                     for p in profile.properties
                     if (p.name, text_of(p.value)) not in own
                 ]
-                connector = connector or self.end.accept(
-                    name, texts(theirs), _Losses(self, identity)
-                )
+                connector = connector or self.end.accept(name, texts(theirs), losses)
                 if connector is not None:
                     system.establish(connector)
             code = refused[0]
         if code is RTC_OK:
-            self._links[identity] = _Link(profile, connector, offer.withdraw)
-            self._lost_ids.discard(identity)
+            losses.link = Link(profile, connector, offer.withdraw)
+            with self._changing:
+                self._links[identity] = losses.link
+                self._lost_ids.discard(identity)
         else:
             offer.withdraw()
         return code, profile
@@ -320,7 +319,7 @@ class PortService:
             if self._ports.exported.local(port) is None:
                 self._notify(port, connector_id)
 
-    def _forget(self, connector_id: str) -> _Link | None:
+    def _forget(self, connector_id: str) -> Link | None:
         """End a connection here only."""
         link = self._links.pop(connector_id, None)
         if link is not None:
@@ -334,6 +333,24 @@ class PortService:
             one is not None and one._is_equivalent(other)
             for one, other in zip(known, profile.ports, strict=True)
         )
+
+    def _is_known_there(self, connector_id: str) -> bool:
+        """Return whether the other port of a connection responds, and has it, too."""
+        for port in self._links[connector_id].profile.ports:
+            if self._ports.exported.local(port) is None:
+                try:
+                    if not self.is_known_at(port, connector_id):
+                        return False
+                except (CORBA.SystemException, CallError):
+                    return False
+        return True
+
+    def is_known_at(self, other: Any, connector_id: str) -> bool:
+        """Return whether another port has a connection. Raises omniORB's exceptions, CallError."""
+        found: ConnectorProfile = self._ports.exported.call(
+            other, PORT_SERVICE, "get_connector_profile", connector_id
+        )
+        return found.connector_id == connector_id
 
     def disconnect_all(self) -> ReturnCode_t:
         """See `RTC::PortService`."""
@@ -372,8 +389,7 @@ class PortService:
     def _notify(self, port: Any, connector_id: str) -> bool:
         local = self._ports.exported.local(port)
         if isinstance(local, PortService):
-            local.notify_disconnect(connector_id)
-            return True
+            return local.notify_disconnect(connector_id) is RTC_OK
         try:
             self._ports.exported.call(
                 port, PORT_SERVICE, "notify_disconnect", connector_id
@@ -395,7 +411,7 @@ class PortService:
                 return refused[0]
         return BAD_PARAMETER
 
-    def _end(self, link: _Link) -> None:
+    def _end(self, link: Link) -> None:
         system = self._ports.system
         if system is not None and link.connector in system.connectors:
             assert link.connector is not None
@@ -415,23 +431,38 @@ class PortService:
         else:
             log.warning("%s, %s: %s", self.name, connector_id, reason)
 
-    def lose(self, connector_id: str, reason: str) -> None:
+    def lose(self, connector_id: str, reason: str, link: Link | None = None) -> None:
         """End a connection to a silent peer, in a new thread.
 
         The thread that detects it sends or publishes samples, and ending a connection waits for
-        that.
+        that. `link`: the connection, unless it is the one that has the id now; nothing is done if
+        another one has taken its place.
         """
-        if connector_id in self._lost_ids:
-            return
-        self._lost_ids.add(connector_id)
+        with self._changing:
+            present = self._links.get(connector_id)
+            if connector_id in self._lost_ids or link not in (None, present):
+                return
+            self._lost_ids.add(connector_id)
         watcher = self._watchers.get(connector_id)
         if watcher is not None:
             watcher.on_loss(reason)
         else:
             log.warning("%s, %s is lost: %s", self.name, connector_id, reason)
-        threading.Thread(
-            target=self.notify_disconnect, args=(connector_id,), daemon=True
-        ).start()
+        if present is not None:
+            threading.Thread(
+                target=self._end_lost, args=(connector_id, present), daemon=True
+            ).start()
+
+    def _end_lost(self, connector_id: str, link: Link) -> None:
+        """End a lost connection, unless the other port has made it again meanwhile."""
+        with self._changing:
+            if self._links.get(connector_id) is not link:
+                return
+            del self._links[connector_id]
+        following = self._next(link.profile)
+        if following is not None:
+            self._notify(following, connector_id)
+        self._end(link)
 
     def give_up(self, connector_id: str, reason: str) -> None:
         """End the connections of the process to the silent one of a connection's other end."""
@@ -450,7 +481,7 @@ class PortService:
             if any(place(exported.text(port)) == silent for port in others):
                 if isinstance(link.connector, SentConnector | Pulled):
                     link.connector.abandon()
-                self.lose(identity, reason)
+                self.lose(identity, reason, link)
 
     @contextmanager
     def _refusing(self) -> Iterator[list[ReturnCode_t]]:
