@@ -7,6 +7,8 @@ import os
 import re
 import shutil
 import signal
+from collections import defaultdict
+from collections.abc import Iterable
 from itertools import count
 from pathlib import Path
 
@@ -76,6 +78,7 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     settings, so its tests come last; of them those first that would hold up the end of a run.
     """
     items.sort(key=_turn)
+    _leave_to_nightly(items)
     for item in items:
         assert isinstance(item, pytest.Function)
         is_random = any(getattr(item.module, f.__name__, None) is f for f in DRAWN)
@@ -83,6 +86,27 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("random")
         if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
+
+
+def _leave_to_nightly(items: Iterable[pytest.Item]) -> None:
+    """Mark the cases of sampled tests with `nightly`, except as many as the marker states.
+
+    Those are the same each time, evenly distributed over all cases.
+    """
+    cases: dict[str, list[pytest.Item]] = defaultdict(list)
+    for item in items:
+        if item.get_closest_marker("sampled") and not item.get_closest_marker(
+            "nightly"
+        ):
+            cases[item.nodeid.partition("[")[0]].append(item)
+    for group in cases.values():
+        marker = group[0].get_closest_marker("sampled")
+        assert marker is not None
+        size, [taken] = len(group), marker.args
+        kept = {size * turn // taken for turn in range(taken)}
+        for index, item in enumerate(group):
+            if index not in kept:
+                item.add_marker("nightly")
 
 
 def _turn(item: pytest.Item) -> tuple[bool, bool]:

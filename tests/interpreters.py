@@ -27,8 +27,8 @@ MONITORED = ("3.12", "3.13")
 PROCESSES = "2"
 """Number of parallel test processes."""
 
-SELECTED = "not slow and not peer and not random and not nightly"
-"""The markers of the tests that are tried on further interpreters."""
+SELECTED = "not slow and not peer and not random and (sampled or not nightly)"
+"""The markers of the tests that are tried on further interpreters: all cases of sampled ones."""
 
 ENVIRONMENTS = ROOT / "build" / "interpreters"
 

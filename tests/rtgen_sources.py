@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import ast
+import re
+from collections.abc import Iterator
+from functools import cache
 from pathlib import Path
 
 import rtgen
@@ -15,3 +19,23 @@ def sources() -> dict[str, Path]:
         for path in root.rglob("*.py")
     }
     return dict(sorted(found.items()))
+
+
+def trees(pattern: str) -> Iterator[tuple[str, ast.Module]]:
+    """Yield the syntax trees of the files whose text matches a pattern somewhere."""
+    for name, path in sources().items():
+        text = path.read_text("utf-8")
+        if re.search(pattern, text, re.MULTILINE):
+            yield name, ast.parse(text)
+
+
+@cache
+def imports(path: Path) -> frozenset[tuple[str, str]]:
+    """Return what a file imports anywhere in its text: a module, and a name of it or nothing."""
+    found: set[tuple[str, str]] = set()
+    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+        if isinstance(node, ast.Import):
+            found |= {(alias.name, "") for alias in node.names}
+        elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
+            found |= {(node.module, alias.name) for alias in node.names}
+    return frozenset(found)

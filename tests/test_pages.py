@@ -30,8 +30,9 @@ from rtgen.cli import SECTIONS, application
 
 LONG = frozenset(
     {
-        *("base-for-ros2", "canopen", "canopen-python", "experiments", "recording"),
-        *("reference-build", "templates", "tutorial"),
+        *("api", "base-for-ros2", "can", "canopen", "canopen-python", "corba"),
+        *("experiments", "openrtm", "project", "recording", "reference-build"),
+        *("small", "templates", "tutorial"),
     }
 )
 """Pages with runs of whole systems and networks, or many commands, which other tests run, too."""

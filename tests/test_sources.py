@@ -167,6 +167,7 @@ def runner(repository: Path) -> Runner:
     return runner
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "command",

@@ -2,12 +2,11 @@
 
 from __future__ import annotations
 
-import ast
 from graphlib import CycleError, TopologicalSorter
 from pathlib import Path
 
 import pytest
-from rtgen_sources import sources
+from rtgen_sources import imports, sources
 
 
 def _modules() -> dict[str, Path]:
@@ -24,13 +23,9 @@ MODULES = _modules()
 def _imports(name: str) -> set[str]:
     """Return the modules of rtgen that a module imports anywhere in its text."""
     found = set()
-    for node in ast.walk(ast.parse(MODULES[name].read_text(encoding="utf-8"))):
-        if isinstance(node, ast.Import):
-            found.update(alias.name for alias in node.names)
-        elif isinstance(node, ast.ImportFrom) and node.module is not None:
-            for alias in node.names:
-                inner = f"{node.module}.{alias.name}"
-                found.add(inner if inner in MODULES else node.module)
+    for module, imported in imports(MODULES[name]):
+        inner = f"{module}.{imported}"
+        found.add(inner if inner in MODULES else module)
     return found & MODULES.keys() - {name}
 
 

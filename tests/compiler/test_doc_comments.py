@@ -107,6 +107,7 @@ PLACES = [
 ]
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize(
     ("suffix", "template", "place", "owner", "number"),
     PLACES,

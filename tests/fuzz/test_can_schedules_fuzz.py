@@ -40,6 +40,7 @@ class UnawareOfJitter(Unaware):
     field = "jitter"
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "unaware", [UnawareOfQueues, UnawareOfTriggers, UnawareOfJitter]
 )

@@ -39,6 +39,7 @@ def test_kept_inputs(name: str, tmp_path: Path) -> None:
     assert all(accepted) == (name in TAKES_ALL), "only what is accepted was kept"
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("name", MODULES)
 def test_drawn_inputs(name: str, tmp_path: Path) -> None:
     opened = door(name, tmp_path)

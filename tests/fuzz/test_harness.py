@@ -30,6 +30,7 @@ def test_it_starts_as_a_program() -> None:
     assert "there is no door nowhere: idl, " in done.stderr
 
 
+@pytest.mark.nightly
 def test_inputs_in_bulk_go_on_where_they_were_stopped(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -45,6 +46,7 @@ def test_inputs_in_bulk_go_on_where_they_were_stopped(
     assert line.split()[:2] == ["slcan", "20"]
 
 
+@pytest.mark.nightly
 def test_packages_of_numbered_inputs(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -2,12 +2,14 @@
 
 from functools import partial
 
+import pytest
 from fuzzing import run
 from hostile import ConversionsTarget, HostileTarget
 from hostile_names import NamesTarget
 from seeds import cases
 
 
+@pytest.mark.nightly
 def test_hostile_definitions() -> None:
     report = run(partial(HostileTarget, count=2), cases(20, always=24))
     assert not report.failures, report.failures[0].detail

@@ -67,6 +67,7 @@ def tags(svg: Path) -> set[str]:
     return {element.tag for element in ElementTree.parse(svg).iter()}
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("name", NAMES, ids=map(ascii, NAMES))
 def test_names_stay_names(
     name: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]

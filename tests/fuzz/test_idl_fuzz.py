@@ -132,6 +132,7 @@ def test_programs(factory: partial[IdlTarget]) -> None:
     assert report.labels["rejected"] > budget(90)
 
 
+@pytest.mark.nightly
 def test_octets_give_values_or_errors() -> None:
     report = run(OctetsTarget, cases(30, always=30))
     assert [f"{f.number}: {f.detail}" for f in report.failures] == []
@@ -178,6 +179,7 @@ def test_any_text(tmp_path: Path, text: str) -> None:
     read(tmp_path, text.encode("utf-8", "surrogatepass"))
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     "text",
     [
@@ -229,6 +231,7 @@ class Broken:
         return ["good"]
 
 
+@pytest.mark.nightly
 def test_defects_of_all_sorts_are_noticed() -> None:
     report = run(Broken, range(5))
     assert [(f.number, f.title) for f in report.failures] == [

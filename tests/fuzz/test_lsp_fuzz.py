@@ -187,6 +187,7 @@ class Files:
         self.editor.workspace.forget_projects()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("number", seeds.cases(SESSIONS))
 def test_random_edits(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -1,10 +1,12 @@
 """The reader of profiles with any input; profiles without errors can be generated."""
 
+import pytest
 from fuzzing import run
 from profiles import ProfileTarget
 from seeds import cases
 
 
+@pytest.mark.nightly
 def test_profiles() -> None:
     numbers = cases(300, always=300)
     report = run(ProfileTarget, numbers)

@@ -37,6 +37,7 @@ FILES = sorted(
 PARTS = 6
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("part", range(PARTS))
 def test_tokens_and_comments_stay(part: int) -> None:
     for name in FILES[part::PARTS]:

@@ -68,6 +68,7 @@ def device_of(path: Path) -> Device:
     return device
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("path", CASES)
 def test_an_eds_comes_back_from_xml(path: Path, tmp_path: Path) -> None:
     is_configured = path.suffix.lower() == ".dcf"
@@ -86,6 +87,7 @@ def test_an_eds_comes_back_from_xml(path: Path, tmp_path: Path) -> None:
     assert first[1] == second[1]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("path", CASES)
 def test_the_package_canopen_reads_what_is_converted(
     path: Path, tmp_path: Path

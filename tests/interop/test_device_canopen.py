@@ -173,6 +173,7 @@ def test_values_of_every_kind_by_sdo(
         assert rig.remote.sdo[number_of(kind)].raw == value
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("size", [1, 4, 5, 7, 8, 100, 889, 890, 3000])
 @pytest.mark.parametrize("block", [False, True])
 def test_long_values(rig: Rig, size: int, block: bool) -> None:

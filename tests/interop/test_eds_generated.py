@@ -68,6 +68,7 @@ def made(
     return root, run, count
 
 
+@pytest.mark.nightly
 def test_every_component_is_made(made: tuple[Path, Compilation, int]) -> None:
     """All modules are imported, and a proxy and a device created of every description."""
     root, _, count = made

@@ -40,6 +40,7 @@ def by_omniidl(path: str, include: list[str], folder: Path) -> list[Facts] | str
     return found
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("path", FILES)
 def test_same_declarations(path: str, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)

@@ -292,6 +292,7 @@ def types(
     return compiled(peer, references, folder, draw, TYPES)
 
 
+@pytest.mark.sampled(2)
 def test_type_codes(types: Types) -> None:
     for descriptor in types.all:
         for little_endian in (True, False):
@@ -307,6 +308,7 @@ def test_a_process_that_ends_is_reported_and_started_again(peer: Peer) -> None:
     assert peer.ask(Reference(REFERENCES[0]))
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.slow
 @settings(DRAWN, max_examples=EXAMPLES)
 @given(number=st.integers(0, TYPES * 2), draw=st.randoms(use_true_random=False))

@@ -24,6 +24,7 @@ ended
 """
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_states_of_a_drive_and_its_proxy_go_together(
     reference: Path, tmp_path: Path, rtm_environment: dict[str, str]

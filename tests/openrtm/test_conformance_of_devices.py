@@ -59,6 +59,7 @@ def test_a_correct_device_passes(processes: Processes) -> None:
     ]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "activity",
     [
@@ -90,6 +91,7 @@ def test_the_type_or_kind_as_activity(processes: Processes, activity: str) -> No
     assert (code, failed(outcomes)) == (0, {})
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("activity", ["DataFlowComponent", "My own: kind"])
 def test_the_registered_text_is_said(processes: Processes, activity: str) -> None:
     processes.device("Base0", f"activity={activity}")

@@ -63,6 +63,7 @@ SIGNALS = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.sampled(1)
 @SIGNALS
 def test_a_signal(processes: Processes, number: signal.Signals) -> None:
     found = both(processes)
@@ -152,6 +153,7 @@ def test_a_page_that_is_closed(processes: Processes, naming_service: str) -> Non
     assert are_released(base, arm)
 
 
+@pytest.mark.sampled(1)
 @SIGNALS
 def test_rtgen_ui_ends_its_system_at_a_signal(
     processes: Processes, number: signal.Signals

@@ -50,6 +50,7 @@ def _conformance(processes: Processes) -> None:
     made.code()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("read", [_next_run, _page, _conformance])
 def test_reading_a_component_does_not_crash_it(
     processes: Processes, read: Callable[[Processes], None]

@@ -46,6 +46,7 @@ def complete(reference: Path) -> Path:
     return reference
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     "name",
     [

@@ -57,6 +57,7 @@ def generated(folder: Path, component: str, package: str, skeletons: str) -> int
         os.chdir(before)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("component", "package", "skeletons", "module"),
     [

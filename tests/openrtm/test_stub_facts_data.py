@@ -129,6 +129,7 @@ def test_pulled_values_are_not_new(lab: Lab) -> None:
     assert inp.read().data == 7
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("word", ["new", "nonblock"])
 def test_a_publisher_sends_the_newest(lab: Lab, word: str) -> None:
     out, inp = pair(lab)

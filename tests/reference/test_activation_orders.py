@@ -50,6 +50,7 @@ def test_forward_and_backward_orders() -> None:
     assert turned < 0.01
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_any_order_ends_in_one_place() -> None:
     """Some of the 720 orders, all with `make fuzz`."""

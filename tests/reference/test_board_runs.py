@@ -254,6 +254,7 @@ def serial(folder: Path) -> Iterator[tuple[Board, SerialLine, list[str]]]:
         yield board, line, [f"OpaqueRpcCommunication0.{text}" for text in settings]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.waits
 @pytest.mark.slow
 @pytest.mark.parametrize("way", [tcp, serial], ids=["tcp", "pty"])

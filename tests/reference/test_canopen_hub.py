@@ -161,6 +161,7 @@ def test_drives_in_another_process_one_falls_silent_and_the_run_goes_on(
         ended(process)
 
 
+@pytest.mark.nightly
 def test_drives_that_are_switched_off_and_on_count_anew(port: int) -> None:
     drives = options(joined(port, "LeftDrive0", "RightDrive0"))
     with base(port) as system:

@@ -140,6 +140,7 @@ def test_the_base_reaches_its_goal(
             assert len(sniffer.sent(0x400 + node)) >= len(beats) - 40
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_drive_that_falls_silent_stops_the_base_and_the_run_goes_on() -> None:
     states = States()
@@ -228,6 +229,7 @@ def zip_latest(
             yield (time, value), others[place - 1]
 
 
+@pytest.mark.sampled(0)
 def test_a_motor_follows_a_potentiometer_with_no_master(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

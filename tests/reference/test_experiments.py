@@ -52,6 +52,7 @@ def nearest(here: Pose, track: list[Pose]) -> float:
     return min((dist(here[:2], there[:2]) for there in track), default=inf)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", SHORT)
 def test_what_an_experiment_measures_is_as_it_should_be(name: str) -> None:
     run = first_run(name)
@@ -191,6 +192,7 @@ def test_b2_has_the_system_of_b1() -> None:
     assert one == other
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name", [*SHORT, pytest.param("one_to_four", marks=pytest.mark.nightly)]
 )

@@ -65,6 +65,7 @@ def test_the_distance_is_clamped_and_turns_its_sign_when_driving_backward() -> N
     assert regulate(0.01, 0.0, -0.1, 0.0, gains) == pytest.approx(STEP * 800 * 0.01)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("direction", [0.0, 1.0, pi / 2, 3.0, -2.5])
 @pytest.mark.parametrize("offset", [-0.5, 0.02, 0.5])
 def test_a_base_beside_the_line_comes_onto_it(direction: float, offset: float) -> None:

@@ -36,6 +36,7 @@ def test_the_goal_is_reached_along_the_map(run: tuple[Pose, Path]) -> None:
     assert abs(wrap(pose.theta + 1.57)) < 0.1
 
 
+@pytest.mark.sampled(0)
 def test_the_ceiling_corrects_what_odometry_gets_wrong() -> None:
     # RH2's odometry assumes other wheels than the plant's, so alone it drifts.
     system = build(profile(LOCALIZED))

@@ -125,6 +125,7 @@ def test_a_base_that_no_attempt_has_led_past_stands_and_says_so(
         assert run.pose == stood
 
 
+@pytest.mark.sampled(0)
 def test_collision_detection_alone_stops_the_base_before_contact() -> None:
     built = build(profile(OBSTACLES), in_room("blocked_room"))
     with built:
@@ -138,6 +139,7 @@ def test_collision_detection_alone_stops_the_base_before_contact() -> None:
         assert tuple(built.observable("RefHw0.wheels")) == (0.0, 0.0)
 
 
+@pytest.mark.sampled(0)
 def test_a_hand_takes_over_and_the_base_goes_on_by_itself() -> None:
     built = build(profile(OBSTACLES), ["GamePad0.script=hand.txt"])
     built.component("GamePad0").folder = Path(__file__).parent / "scripts"
@@ -157,6 +159,7 @@ def test_a_hand_takes_over_and_the_base_goes_on_by_itself() -> None:
         assert run.room_left(room("room")) > 0.1
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     "ahead",
     [0.9, *(pytest.param(each, marks=pytest.mark.nightly) for each in (1.0, 1.3))],
@@ -176,19 +179,17 @@ def test_a_post_close_ahead_is_turned_from_and_passed(
         assert run.room_left(parse(post.read_text(), "post")) > 0.05
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "mirrored", [1.0, pytest.param(-1.0, marks=pytest.mark.nightly)]
-)
+@pytest.mark.parametrize("mirrored", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("posts", "start", "goal"),
     [
         # The gap between the second post and the wall is narrower than it looks from afar.
-        pytest.param(
+        (
             [(2.134, -0.543, 0.149), (4.576, -0.543, 0.240)],
             Pose(0.0, 0.0, 0.0),
             (7.0, -0.0786),
-            marks=pytest.mark.nightly,
         ),
         # The base arrives with its heading towards the closed side.
         ([(2.75, 0.739, 0.191)], Pose(0.0, 0.893, -0.973), (4.955, 0.61)),
@@ -221,6 +222,7 @@ def test_the_other_side_is_tried_before_the_base_gives_up(
         assert run.room_left(parse(file.read_text(), "posts")) > 0.1
 
 
+@pytest.mark.sampled(0)
 def test_two_runs_are_the_same() -> None:
     ends = []
     for _ in range(2):

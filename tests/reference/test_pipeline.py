@@ -73,6 +73,7 @@ def test_two_runs_give_the_same_log() -> None:
     assert logs[0].count("\n") > 1000
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "target", [(-1.0, 0.5, 0.0), (0.0, 0.0, 2.5), (1.0, -1.0, -3.0)]
 )

@@ -13,6 +13,7 @@ from random_runs import make
 from seeds import cases
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("seed", cases(4))
 def test_a_random_run(seed: int, tmp_path: Path) -> None:
     run = make(seed, tmp_path)

@@ -117,6 +117,7 @@ def test_the_whole_system_gives_the_same_file(goal: Path, tmp_path: Path) -> Non
     assert again.read_bytes() == goal.read_bytes()
 
 
+@pytest.mark.sampled(0)
 def test_drives_on_a_bus_are_replayed_with_their_bus(tmp_path: Path) -> None:
     """All components on the bus run; navigation is replayed."""
     recording = recorded(DRIVES, tmp_path / "drives.mcap", until="0.6")

@@ -122,6 +122,7 @@ def embedded() -> list[str]:
     return lines
 
 
+@pytest.mark.nightly
 def test_every_sample_is_the_same_at_the_same_time(
     small: list[str], embedded: list[str]
 ) -> None:

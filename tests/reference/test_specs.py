@@ -256,6 +256,7 @@ BASES = pytest.mark.parametrize(
 )
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("file", TYPE_FILES, ids=lambda file: file.name)
 def test_any_corba_compiler_reads_the_types(file: Path) -> None:
     omniidl = Path(sys.executable).parent / "omniidl"

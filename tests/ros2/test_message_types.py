@@ -52,6 +52,7 @@ def peer(ros2: Installation) -> Iterator[Node]:
         yield made
 
 
+@pytest.mark.sampled(1)
 def test_every_message_as_rclpy_serializes_it(
     peer: Node, classes: dict[str, Any]
 ) -> None:

@@ -106,6 +106,7 @@ def publish_until(
     until(arrived)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("policy", POLICIES)
 @pytest.mark.parametrize("writes", [False, True])
 def test_what_does_not_fit_is_said_once_with_both_values(

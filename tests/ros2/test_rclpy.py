@@ -129,6 +129,7 @@ def test_rclpy_is_taken_if_it_is_there(run: Callable[..., Any]) -> None:
         assert "PRJ0020" not in done.stderr
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("lines", "what"),
     [

@@ -176,6 +176,7 @@ def _peer(
 everywhere = pytest.mark.parametrize("lab", EVERY, indirect=True, ids=str)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("lab", [*EVERY, *TOPICS_ALONE], indirect=True, ids=str)
 def test_every_message_both_ways(lab: Lab) -> None:
     """Random values of all types come back with all fields."""
@@ -523,6 +524,7 @@ def test_types_are_described(lab: Lab) -> None:
 CALLS = Path(__file__).with_name("network_calls.py")
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "beside",
     [

@@ -171,6 +171,7 @@ def without_comments(files: dict[str, str]) -> dict[str, list[str]]:
     return {name: [*filter(None, each)] for name, each in lines.items()}
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "distribution",
     [DISTRIBUTIONS[0], *(pytest.param(d, marks=nightly) for d in DISTRIBUTIONS[1:])],

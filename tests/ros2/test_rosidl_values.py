@@ -182,6 +182,7 @@ def is_left_out(content: str, theirs: Any) -> bool:
     )
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("distribution", DISTRIBUTIONS)
 def test_lines(distribution: str, tmp_path: Path) -> None:
     ros2: Installation = installation(distribution)

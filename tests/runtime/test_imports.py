@@ -32,6 +32,7 @@ def loaded_by(code: str) -> set[str]:
     return {*done.stdout.splitlines()[-1].split()}
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "code",
     [
@@ -54,6 +55,7 @@ def test_the_command_line_loads_no_heavy_library_by_itself() -> None:
     assert not loaded_by("import rtgen.cli, rtgen.cli.rpc, rtgen.cli.can") & heavy
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "command",
     [

@@ -34,6 +34,7 @@ ENDLESS = {
 }
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("name", ENDLESS)
 def test_endless(name: str) -> None:
     text, code = ENDLESS[name]

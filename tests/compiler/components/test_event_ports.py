@@ -81,6 +81,7 @@ def test_there_and_back(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> No
     ] == [dict(e.attrib) for e in etree.parse(profile).getroot().iter(f"{RTC}Event")]
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("word", ["Any", "any", "CORBA::Any"])
 @pytest.mark.parametrize(
     ("events", "type_"),

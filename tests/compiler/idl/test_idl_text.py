@@ -80,6 +80,7 @@ def read(path: Path) -> Model:
     return result.model
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("path", [*FILES, "tricky"])
 def test_read_again(path: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(ROOT)
@@ -108,6 +109,7 @@ IDL4 = (
 """Files with constructs unknown to omniidl, not counting annotations."""
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     "path", [*(f for f in FILES if not f.endswith(IDL4)), "tricky"]
 )

@@ -93,6 +93,7 @@ def test_a_mistake_does_not_make_it_another_language() -> None:
     assert [text for text in texts if other_language(text)] == []
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "piece", ["[a, ", "; [in", 'import "a"; ', "typedef (a ", "{ [", "dictionary a "]
 )

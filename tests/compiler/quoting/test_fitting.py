@@ -24,6 +24,7 @@ texts = st.lists(
 ).map("".join)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "statement",
     [

@@ -183,6 +183,7 @@ def _board(port: int = 8931, address: str = "127.0.0.1", **more: str) -> dict[st
     }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.skipif(RUBY is None, reason="ruby is missing")
 @pytest.mark.parametrize(
     ("arguments", "expected"),

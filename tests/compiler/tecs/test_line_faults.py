@@ -130,6 +130,7 @@ def test_the_line_is_cut_at_every_byte(caller: Caller) -> None:
     caller.check()
 
 
+@pytest.mark.nightly
 def test_random_calls_with_faults(caller: Caller) -> None:
     random = Random(seed())
     for count in range(CALLS):

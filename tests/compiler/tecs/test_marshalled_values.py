@@ -222,6 +222,7 @@ def check(board: Board, form: str) -> None:
         assert service.texts(text) == (0, text)
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("arrays", ["sequence", "any"])
 @pytest.mark.parametrize("form", ["list", "array", "numpy"])
 def test_every_type(

@@ -264,6 +264,7 @@ module Kept {
 """
 
 
+@pytest.mark.nightly
 def test_nothing_is_kept_of_many_values(tmp_path: Path) -> None:
     """References that were not given back would be allocated blocks, failures included."""
     kept = emitted.emit_text(tmp_path, IDL)._idl.case

@@ -91,6 +91,7 @@ struct {Z} {{ double {aa}; double {bb}; double {cc}; }};
 """
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.peer
 @pytest.mark.parametrize("longest", [5, 20, 50, 65, 80, 90, 100, 110, 120])
 def test_black_leaves_names_of_any_length_unchanged(

@@ -87,6 +87,7 @@ def filled(n: Any, count: int) -> Any:
     )
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("count", [1000, 1250, 13000])
 @pytest.mark.parametrize("little", [True, False])
 @pytest.mark.parametrize("loads_numpy", [True, False])
@@ -177,6 +178,7 @@ WRONG: list[tuple[str, Any, str]] = [
 ]
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(("member", "wrong", "message"), WRONG)
 @pytest.mark.parametrize("form", ["array", "numpy"])
 def test_faults_have_the_path_of_the_member(
@@ -257,6 +259,7 @@ def test_a_dheader_precedes_values_of_other_layouts(
         assert again.to_xcdr2(little) == octets
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("member", "wrong", "message"), [row for row in WRONG if f" {row[0]};" in MEMBERS]
 )

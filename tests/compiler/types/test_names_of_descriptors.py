@@ -60,6 +60,7 @@ def made(outer: str, inner: str, class_name: str) -> Any:
     return Outer, Outer(items, Inner("e", ["f"]))
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", NAMES, ids=ascii)
 def test_codecs(name: str) -> None:
     for names in ((name, name), (name, "M::Inner"), ("M::Outer", name)):

@@ -149,6 +149,7 @@ def test_types_settle_the_form(packages: dict[Numeric, Any]) -> None:
     assert type(numpies.unevens) is list
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("count", [0, 1, 3, 200, 3000])
 @pytest.mark.parametrize("little", [True, False])
 def test_octets_are_those_of_lists(
@@ -433,6 +434,7 @@ def test_faults_of_numpy_members(
     assert str(caught.value).startswith("Everything" + message)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("form", ["array", "numpy"])
 def test_octets_that_end_early_are_refused(
     packages: dict[Numeric, Any], form: Numeric

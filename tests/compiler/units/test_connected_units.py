@@ -96,6 +96,7 @@ def test_units_of_two_ports(
 SILENT = "does not say its unit"
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     ("type_", "sent", "wanted", "code"),
     [
@@ -132,6 +133,7 @@ def test_a_port_without_a_unit_has_those_of_its_type(
     assert code in said if code else said == ""
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("type_", "sent", "wanted", "members"),
     [

@@ -228,6 +228,7 @@ def assert_physical(of: Written, frame: Frame, field: Field) -> None:
         assert same(float(values[field.name]), float(field.physical))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("number", seeds.cases(20))
 def test_pdos_of_drawn_buses(number: int, tmp_path: Path) -> None:
     chance = Random(number)
@@ -236,6 +237,7 @@ def test_pdos_of_drawn_buses(number: int, tmp_path: Path) -> None:
     assert not of.left_out
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("number", seeds.cases(20))
 def test_drawn_communication_parameters(number: int, tmp_path: Path) -> None:
     """Identifiers, mappings and lengths are those in force after the configuration."""
@@ -252,6 +254,7 @@ def known(request: pytest.FixtureRequest) -> Written:
     return described(SPECS / f"{request.param}.toml")
 
 
+@pytest.mark.sampled(1)
 def test_pdos_of_example_buses(known: Written) -> None:
     assert compared(known, Random(1), 5)
 

@@ -132,6 +132,7 @@ def make(folder: Path, seed: int, ports: str, package: str) -> None:
     assert run(["generate", "--no-cache", "--quiet", "--diagnostics", "json"]) == 0
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("ports", ["pdo", "object"])
 @pytest.mark.parametrize("seed", range(2))

@@ -60,6 +60,7 @@ def transfer(wire: Line, write: bool, block: bool) -> bytes | SdoAbort:
         return abort
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(("write", "block"), WAYS)
 @pytest.mark.parametrize("fault", [LOST, TWICE, LATE, CORRUPT, RESET])
 def test_a_fault_at_each_frame_of_a_transfer(
@@ -133,6 +134,7 @@ def boot(kind: str, place: int) -> tuple[Bench, BootFault]:
     return bench, fault
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("kind", ["lost", "doubled", "late", "corrupted", "reset"])
 def test_a_fault_at_each_frame_of_a_boot(kind: str) -> None:
     bench, fault = boot(kind, 0)

@@ -769,6 +769,7 @@ def test_126_nodes_are_looked_at_only_when_they_are_due() -> None:
     assert polls <= 126 * (3 / 0.3 * 1.5 + 1)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("seed", range(8))
 def test_whatever_happens_a_reset_brings_the_network_back(seed: int) -> None:
     random = Random(seed)

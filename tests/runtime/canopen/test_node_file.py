@@ -90,12 +90,14 @@ def agree(copy: Device, source: Device) -> None:
     assert copy.product_code == source.product_code
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["epos_drive", "f_palette", "ftmd", "motor_core_unit"])
 def test_a_node_is_described_as_its_file_does(name: str, tmp_path: Path) -> None:
     source = SPECS / f"{name}.eds"
     agree(read_back(source, tmp_path), read(source))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.random
 @pytest.mark.parametrize("seed", seeds.cases(10))
 def test_drawn_devices_are_described(seed: int, tmp_path: Path) -> None:

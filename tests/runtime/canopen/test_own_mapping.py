@@ -143,6 +143,7 @@ ODD = {
 }
 
 
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize("who", ["own", "own, off", "own, switched on", "bus file"])
 @pytest.mark.parametrize("what", ODD)
 def test_odd_mappings(what: str, who: str, tmp_path: Path) -> None:

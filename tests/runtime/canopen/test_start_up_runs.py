@@ -27,6 +27,7 @@ FILES = [
 COUNT = 100
 
 
+@pytest.mark.nightly
 @pytest.mark.random
 def test_random_networks_start(tmp_path: Path) -> None:
     accepted, seeds = 0, cases(COUNT, always=COUNT)
@@ -132,6 +133,7 @@ def changed(path: Path) -> list[str]:
     return [f'"{number}" = {value}' for number, value in values.items()]
 
 
+@pytest.mark.sampled(15)
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 @pytest.mark.parametrize("values", ["defaults", "changes"])
 def test_networks_of_each_description_start(

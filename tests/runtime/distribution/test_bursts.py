@@ -126,6 +126,7 @@ class Reader:
         self._process.stdout.close()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("reliability", ["best_effort", "reliable"])
 def test_the_end_of_a_burst_arrives(reliability: str) -> None:
     """What is not sent would be sent again if the writer is reliable, unless it closes.

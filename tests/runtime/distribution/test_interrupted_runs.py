@@ -50,6 +50,7 @@ def interrupted(run: Run, text: str, number: signal.Signals) -> tuple[int, str, 
         run.kill()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_run_is_interrupted(
     transport: list[str], number: signal.Signals, tmp_path: Path
@@ -63,6 +64,7 @@ def test_a_run_is_interrupted(
     assert "Traceback" not in errors
 
 
+@pytest.mark.sampled(1)
 def test_a_run_that_waits_for_others_is_interrupted(
     transport: list[str], tmp_path: Path
 ) -> None:

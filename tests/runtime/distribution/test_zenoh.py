@@ -100,6 +100,7 @@ def test_a_program_of_eclipse_zenoh_reads_and_drives_a_component(
     subscriber.undeclare()
 
 
+@pytest.mark.nightly
 def test_a_program_of_eclipse_zenoh_counts_what_it_misses(
     stack: ExitStack, locator: str
 ) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import ast
 import re
 import shutil
 import subprocess
@@ -12,7 +11,7 @@ from importlib import metadata
 from pathlib import Path
 
 import pytest
-from rtgen_sources import sources
+from rtgen_sources import imports, sources
 
 from rtgen.facts.python_modules import LIBRARIES, MIDDLEWARE, STANDARD, owner
 
@@ -57,11 +56,7 @@ def test_modules_that_rtgen_imports_are_known() -> None:
     for path, file in sources().items():
         if path.startswith("examples/"):  # applications, in the wheel alone
             continue
-        for node in ast.walk(ast.parse(file.read_text(encoding="utf-8"))):
-            if isinstance(node, ast.Import):
-                imported |= {alias.name.partition(".")[0] for alias in node.names}
-            elif isinstance(node, ast.ImportFrom) and node.module and not node.level:
-                imported.add(node.module.partition(".")[0])
+        imported |= {module.partition(".")[0] for module, _ in imports(file)}
     assert len(imported) > 80
     assert not {name for name in imported if owner(name) is None} - {"__future__"}
 

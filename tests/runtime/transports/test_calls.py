@@ -62,6 +62,7 @@ def hurried() -> Iterator[None]:
     sys.setswitchinterval(before)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.usefixtures("hurried")
 @pytest.mark.parametrize(
     ("threads", "calls"),
@@ -100,6 +101,7 @@ def test_calls_of_many_threads_are_carried_out_once_each(
     assert len(requests) == threads * calls + 1
 
 
+@pytest.mark.sampled(2)
 @ON_ROS_TOO
 def test_octets_of_any_length_travel(join: Join) -> None:
     here, there = join(), join()

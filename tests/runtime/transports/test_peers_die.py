@@ -82,6 +82,7 @@ def start(engine: media.Engine) -> Iterator[Callable[..., Peer]]:
         yield started
 
 
+@pytest.mark.sampled(2)
 def test_a_publisher_is_killed_and_comes_again(
     join: Join, start: Callable[..., Peer]
 ) -> None:
@@ -102,6 +103,7 @@ def test_a_publisher_is_killed_and_comes_again(
     assert seen == [("peer/1", True), ("peer/1", False)] * 2
 
 
+@pytest.mark.sampled(2)
 def test_a_reader_that_is_killed_holds_nobody_up(
     join: Join, start: Callable[..., Peer]
 ) -> None:
@@ -122,6 +124,7 @@ def test_a_reader_that_is_killed_holds_nobody_up(
     until(lambda: len(got) >= 500)
 
 
+@pytest.mark.sampled(2)
 def test_a_publisher_is_frozen_and_goes_on(
     join: Join, start: Callable[..., Peer]
 ) -> None:
@@ -141,6 +144,7 @@ def test_a_publisher_is_frozen_and_goes_on(
     assert len(set(octets)) == len(octets)
 
 
+@pytest.mark.sampled(2)
 def test_a_server_is_frozen_during_a_call_and_goes_on(
     join: Join, start: Callable[..., Peer]
 ) -> None:
@@ -155,6 +159,7 @@ def test_a_server_is_frozen_during_a_call_and_goes_on(
     assert until(partial(_again, client)) == b"request"
 
 
+@pytest.mark.sampled(2)
 def test_a_server_is_killed_before_during_and_after_a_call(
     join: Join, start: Callable[..., Peer]
 ) -> None:

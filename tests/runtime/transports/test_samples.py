@@ -157,6 +157,7 @@ def test_a_durable_subscription_finds_a_publisher_that_comes_later(join: Join) -
     assert [number_of(sample) for sample in got] == [1, 2, 3, 4]
 
 
+@pytest.mark.sampled(3)
 @ON_ROS_TOO
 @pytest.mark.parametrize("megabytes", [1, 10])
 def test_big_samples_arrive_whole(join: Join, megabytes: int) -> None:
@@ -272,6 +273,7 @@ def test_nothing_comes_after_close(join: Join) -> None:
         here = join()
 
 
+@pytest.mark.sampled(1)
 def test_subscriptions_come_and_go_while_samples_flow(join: Join) -> None:
     here, there = join(), join()
     publisher = here.publisher(TOPIC, Qos(depth=None))

@@ -60,6 +60,7 @@ def pair(
 # Data ports.
 
 
+@pytest.mark.sampled(1)
 def test_samples_arrive_in_order(pair: Pair) -> None:
     statuses = {pair.write("many", number) for number in range(500)}
     assert statuses == {runtime.PORT_OK}

@@ -213,6 +213,7 @@ def test_an_adapter_converts_units(
     assert 'rtc:unit="deg, rpm, deg C"' in profile
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("numeric", ["list", "array", "numpy"])
 def test_an_adapter_converts_numbers_of_several_dimensions(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, numeric: str

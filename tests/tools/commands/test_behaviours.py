@@ -321,6 +321,7 @@ IN_A_METHOD = {
 }
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("statement", IN_A_METHOD)
 def test_uses_in_methods(
     statement: str, oven: Path, capfd: pytest.CaptureFixture[str]
@@ -408,6 +409,7 @@ MODULES = {
 }
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("module", MODULES)
 def test_uses_in_modules(
     module: str, oven: Path, capfd: pytest.CaptureFixture[str]

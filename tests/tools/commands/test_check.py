@@ -110,6 +110,7 @@ CHANGES = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("cached", [True, False])
 @pytest.mark.parametrize("kind", CHANGES)
 def test_drift_is_at_the_declaration(
@@ -257,6 +258,7 @@ FAULTS = {
 }  # fmt: skip
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("kind", FAULTS)
 @pytest.mark.usefixtures("system")
 def test_faults_are_found_at_their_lines(

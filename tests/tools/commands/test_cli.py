@@ -382,6 +382,7 @@ CASE_CLASHES = {
 }
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("code", CASE_CLASHES)
 @pytest.mark.parametrize("command", ["generate", "check", "inspect", "lint", "docs"])
 def test_names_that_differ_in_case_only(

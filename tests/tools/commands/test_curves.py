@@ -162,6 +162,7 @@ def test_what_is_not_there(
     assert not Path("a.svg").exists()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [

@@ -314,6 +314,7 @@ def test_texts_come_out_as_texts(hostile: str) -> None:
     assert cells.text.split("\n").count(plain) == 2
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("hostile", HOSTILE)
 def test_a_site_with_hostile_descriptions_has_the_same_elements(hostile: str) -> None:
     assert elements_of(hostile) == elements_of("harmless")

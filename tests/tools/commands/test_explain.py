@@ -8,7 +8,7 @@ import tomllib
 from pathlib import Path
 
 import pytest
-from rtgen_sources import sources
+from rtgen_sources import trees
 
 from rtgen.cli import run
 from rtgen.compiler import diagnostics
@@ -21,8 +21,8 @@ FOLDER = Path(diagnostics.__file__).parent
 def test_every_module_with_rules_is_known() -> None:
     """Rules that one module collects from its neighbours count as known."""
     having = set()
-    for path, file in sources().items():
-        for node in ast.parse(file.read_text(encoding="utf-8")).body:
+    for path, tree in trees(r"^RULES\b"):
+        for node in tree.body:
             targets = node.targets if isinstance(node, ast.Assign) else []
             targets = [node.target] if isinstance(node, ast.AnnAssign) else targets
             if any(isinstance(t, ast.Name) and t.id == "RULES" for t in targets):

@@ -176,6 +176,7 @@ def check_refusal(
     return errors
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("group", GROUPS)
 @pytest.mark.parametrize("line", AT_IMPORT)
 def test_an_import_that_fails_is_named(
@@ -186,6 +187,7 @@ def test_an_import_that_fails_is_named(
     check_refusal(GROUPS[group], capfd, named)
 
 
+@pytest.mark.sampled(16)
 @pytest.mark.parametrize(
     ("group", "value"), [(group, each) for group in WRONG for each in WRONG[group]]
 )

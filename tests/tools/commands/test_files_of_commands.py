@@ -490,6 +490,7 @@ def try_name(project: Path, runs: Runs, row: Row, kind: str) -> None:
         remove(project / file)
 
 
+@pytest.mark.sampled(30)
 @pytest.mark.parametrize("name", ROWS)
 def test_a_command_ends_in_a_line_whatever_the_file_is(
     project: Path, runs: Runs, name: str

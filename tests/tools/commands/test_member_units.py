@@ -137,6 +137,7 @@ PORTS = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("port", PORTS)
 def test_tables_of_runs_and_of_recordings(
     port: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]

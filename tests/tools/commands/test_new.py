@@ -80,6 +80,7 @@ def test_a_project_with_every_part_is_whole(
     check_it_is_whole(project, project / "generated")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_reference_pipeline_is_whole(monkeypatch: pytest.MonkeyPatch) -> None:
     project = started(monkeypatch, "--from", "rh3")
@@ -184,6 +185,7 @@ component User {{
 """
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "components",
     [
@@ -247,6 +249,7 @@ def test_a_folder_that_exists_is_left_alone(
     assert files_of(work) == {"my-robot/mine": b"x"}
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("part", ["component", "device", "board"])
 def test_nothing_is_added_to_definitions_with_errors(
     part: str, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]

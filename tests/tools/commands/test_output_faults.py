@@ -7,6 +7,7 @@ from pathlib import Path
 import pytest
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("fault", "least"), [("kill", 20), ("full", 5), ("readonly", 2)]
 )

@@ -15,6 +15,7 @@ LEFT_BY_BLACK_ALONE = (
 )
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("text", "is_doubtful", "code"),
     [

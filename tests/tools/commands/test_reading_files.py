@@ -11,7 +11,7 @@ from collections.abc import Callable, Iterator
 from pathlib import Path
 
 import pytest
-from rtgen_sources import sources
+from rtgen_sources import trees
 
 from rtgen.facts.files import (
     ChangedError,
@@ -107,9 +107,9 @@ def openers(node: ast.AST, scope: tuple[str, ...] = ()) -> Iterator[str]:
 def test_files_of_the_user_are_opened_by_one_module() -> None:
     found = {
         f"{name} {function}"
-        for name, path in sources().items()
+        for name, tree in trees(rf"open\(|\.(?:{'|'.join(_METHODS)})\(")
         if not name.startswith("examples/")
-        for function in openers(ast.parse(path.read_text("utf-8")))
+        for function in openers(tree)
     }
     others = {each for each in found if not each.startswith("facts/files.py ")}
     assert others == OWN_FILES | WRITERS | OTHERS

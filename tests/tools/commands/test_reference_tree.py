@@ -92,10 +92,12 @@ def test_no_file_says_where_or_when_it_was_made(built: Path) -> None:
         assert str(built.parent).encode() not in data, name
 
 
+@pytest.mark.nightly
 def test_the_committed_tree_is_what_the_definitions_give(tmp_path: Path) -> None:
     assert rtgen(ROOT, environment(tmp_path), "check", "--no-cache") == ""
 
 
+@pytest.mark.nightly
 def test_a_run_from_the_cache_loads_neither_front_ends_nor_back_ends(
     tmp_path: Path,
 ) -> None:
@@ -119,6 +121,7 @@ def test_a_run_from_the_cache_loads_neither_front_ends_nor_back_ends(
     assert outputs[1] == "0 []\n"
 
 
+@pytest.mark.nightly
 def test_a_kill_in_the_middle_leaves_whole_files(built: Path, tmp_path: Path) -> None:
     folder = tmp_path / "a"
     shutil.copytree(built, folder)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import subprocess
+import sys
 from pathlib import Path
 
 import pytest
@@ -35,3 +36,18 @@ def test_the_seed_is_the_abbreviated_commit(commit: str | None, seed: int) -> No
 def test_a_given_seed_repeats_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RTGEN_SEED", "77")
     assert seeds.seed.__wrapped__() == 77
+
+
+@pytest.mark.nightly
+def test_what_is_left_of_a_sampled_test_is_nightly() -> None:
+    path = "tests/compiler/cdl/test_limits.py"
+    command = [sys.executable, "-m", "pytest", "--collect-only", "-q", path, "-m"]
+    counts = []
+    for markers in ("sampled and not nightly", "sampled and nightly", "sampled"):
+        done = subprocess.run(
+            [*command, markers], cwd=seeds.ROOT, capture_output=True, text=True
+        )
+        assert done.returncode == 0, done.stdout
+        counts.append(done.stdout.count("::test_endless["))
+    few, others, both = counts
+    assert (few, few + others) == (4, both)

@@ -343,6 +343,7 @@ AT_ONCE = (
 """Those that `make test` tries: each value at least once."""
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("term", "force_color", "no_color", "tty"),
     [

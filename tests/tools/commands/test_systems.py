@@ -93,6 +93,7 @@ def test_inspect_of_a_system(capfd: pytest.CaptureFixture[str]) -> None:
     }.items() <= system["connections"][0].items()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("old", "new", "code", "message"),
     [

@@ -76,6 +76,7 @@ def lines(text: str) -> list[int]:
     return [int(each) for each in places]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("events", "skipped"),
     [
@@ -134,6 +135,7 @@ def test_other_files_have_no_timeline(folder: Path) -> None:
     assert run(["check", "-q"]) == 0
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize(
     ("text", "problem"),
     [

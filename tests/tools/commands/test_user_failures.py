@@ -59,6 +59,7 @@ def test_the_page_runs(project: Path, capfd: pytest.CaptureFixture[str]) -> None
     assert out.split("wall")[0] in page
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("change", PRINTED, ids=lambda change: change.name)
 def test_ten_ways_to_break_a_component(
     change: Break, project: Path, capfd: pytest.CaptureFixture[str]
@@ -235,6 +236,7 @@ def _rtgen(*arguments: str, stdin: str = "") -> subprocess.CompletedProcess[str]
 CLOCKS = ["sim", pytest.param("real", marks=pytest.mark.slow)]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("clock", CLOCKS)
 def test_pdb_opens_in_the_failing_frame(project: Path, clock: str) -> None:
     apply(BY_NAME["a name"], project)
@@ -245,6 +247,7 @@ def test_pdb_opens_in_the_failing_frame(project: Path, clock: str) -> None:
     assert "Controller0: on_execute: NameError" in done.stdout
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("clock", CLOCKS)
 def test_quit_at_a_breakpoint_ends_the_run(project: Path, clock: str) -> None:
     line = "            cold ="
@@ -318,6 +321,7 @@ def blocking(callback: str) -> Iterator[Break]:
     yield Break("", "    def on_execute", f"{method}    def on_execute", 1, 0, "")
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.waits
 @pytest.mark.parametrize("clock", ["sim", "real"])
 @pytest.mark.parametrize(

@@ -379,6 +379,7 @@ STRANGE: dict[str, Callable[[str], str]] = {
 }
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.usefixtures("project")
 @pytest.mark.parametrize("kind", STRANGE)
 def test_strange_trees_are_refused_in_a_line(

@@ -25,6 +25,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
+@pytest.mark.sampled(60)
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
 def test_a_change_is_found_with_its_classes(case: Case, tmp_path: Path) -> None:
     found = case.changes(tmp_path)
@@ -40,6 +41,7 @@ def test_a_change_is_found_with_its_classes(case: Case, tmp_path: Path) -> None:
     validator("diff.schema.json").validate(json.loads(json.dumps(document)))
 
 
+@pytest.mark.sampled(10)
 @pytest.mark.parametrize("case", cases()[::9], ids=lambda case: case.name)
 def test_nothing_is_found_between_equal_versions(case: Case, tmp_path: Path) -> None:
     same = Case(case.code, case.form, "", case.new, case.new, case.both)

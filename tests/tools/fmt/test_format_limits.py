@@ -46,6 +46,7 @@ NESTED: dict[str, tuple[Language, Text]] = {
 }
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("kind", NESTED)
 def test_what_the_front_ends_take_is_formatted(kind: str, tmp_path: Path) -> None:
     language, text = NESTED[kind]
@@ -124,6 +125,7 @@ def lines_of_code(language: Language, text: str) -> int:
     return number
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("kind", REPEATED)
 def test_the_work_is_linear(kind: str) -> None:
     language, text = REPEATED[kind]

@@ -41,6 +41,7 @@ def test_a_range_loses_nothing() -> None:
         assert content(changed, language) == content(text, language), number
 
 
+@pytest.mark.nightly
 @pytest.mark.random
 def test_documentation_stays_with_its_declaration() -> None:
     for number in cases(150):

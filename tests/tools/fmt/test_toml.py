@@ -91,6 +91,7 @@ def test_random_layouts() -> None:
         check(random_text(random), options)
 
 
+@pytest.mark.sampled(40)
 @pytest.mark.parametrize("path", OURS, ids=lambda path: path.parent.name + path.stem)
 def test_files_of_the_repository(path: Path) -> None:
     text = path.read_text("utf-8")
@@ -117,6 +118,7 @@ def test_a_range_changes_hunks_within_it() -> None:
     assert toml.changed_text(text, "bus.toml", DEFAULT, (2, 2)) == text
 
 
+@pytest.mark.nightly
 def test_a_range_of_many_lines() -> None:
     """Line by line, a comparison would take minutes."""
     text = "a = [\n" + "1,\n" * 50_000 + "]\nb=1\nc=1\n"

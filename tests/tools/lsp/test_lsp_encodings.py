@@ -37,6 +37,7 @@ def editor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Editor:
     return Editor(tmp_path)
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("encoding", ENCODINGS)
 def test_findings_are_those_of_lint(
@@ -56,6 +57,7 @@ def test_findings_are_those_of_lint(
     assert any("TXT0002" in f for f in found) == (encoding == "cp932")
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("mark", ["", "\ufeff"])
 @pytest.mark.parametrize("end", ["\n", "\r\n", "\r"])
 @pytest.mark.parametrize("encoding", ENCODINGS)

@@ -48,6 +48,7 @@ def linted(capsys: pytest.CaptureFixture[str]) -> list[dict[str, object]]:
     return sorted(found, key=json.dumps)
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("name", [*FAULTS, "none"])
 def test_findings_are_those_of_lint(
     editor: Editor, name: str, capsys: pytest.CaptureFixture[str]

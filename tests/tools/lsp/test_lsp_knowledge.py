@@ -45,6 +45,7 @@ def hovered(editor: Editor, view: View, place: str) -> str:
     return found.contents.value
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("file", "place", "wanted"),
     [
@@ -209,6 +210,7 @@ def test_folding(editor: Editor, file: str, wanted: list[tuple[int, int]]) -> No
     assert found == wanted
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("file", "at", "typed", "wanted", "unwanted"),
     [

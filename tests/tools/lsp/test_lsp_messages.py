@@ -152,6 +152,7 @@ REFUSED = {
 }
 
 
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("kind", REFUSED)
 def test_a_wrong_message_is_answered_and_the_next_ones_are_served(
     kind: str, caplog: pytest.LogCaptureFixture
@@ -298,6 +299,7 @@ def test_an_address_that_no_file_has_is_no_document(uri: str) -> None:
     assert served(sent) == [(1, None)]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.skipif(sys.platform == "win32", reason="limits of a process are of POSIX")
 @pytest.mark.parametrize(
     "sent", [b"Content-Length: 99999999999999999999\r\n\r\n", bytes(100)]

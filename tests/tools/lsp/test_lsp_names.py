@@ -20,6 +20,7 @@ def editor(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Editor:
     return Editor(tmp_path, **PROJECT)
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     ("file", "place", "wanted"),
     [

@@ -70,6 +70,7 @@ def modules_of(package: Path) -> list[str]:
     return [".".join(p[:-1] if p[-1] == "__init__" else p) for p in parts]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", INCLUDE)
 def test_modules_import_in_any_order(sets: dict[str, Path], name: str) -> None:
     package = sets[name]
@@ -96,6 +97,7 @@ def test_a_package_imports_its_own_modules_relatively(
                 assert node.level <= depth if node.level else top in allowed, file
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.slow
 @pytest.mark.parametrize("name", INCLUDE)
 def test_text_is_as_black_has_it(sets: dict[str, Path], name: str) -> None:

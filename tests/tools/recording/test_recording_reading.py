@@ -105,6 +105,7 @@ READERS = [
 ]
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("command", READERS, ids=lambda words: "-".join(words[:2]))
 def test_each_command_says_what_is_missing_of_a_recording(
     command: list[str],
@@ -289,6 +290,7 @@ def test_octets_without_an_opcode_end_the_records(tmp_path: Path, inside: bool) 
     assert not McapFile(path).is_whole
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "content",
     [bytes(16 * MEGABYTE), struct.pack("<BQ", 0x80, 0) * MEGABYTE, MESSAGE * MEGABYTE],

@@ -144,6 +144,7 @@ def read(bag: Path) -> dict[str, list[tuple[int, Any]]]:
     return found
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("form", [*FORMS, HUMBLE])
 def test_a_bag_drives_components(form: str, inside: Path) -> None:
     """Twice: the results are equal, bit for bit."""

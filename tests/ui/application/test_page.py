@@ -28,6 +28,7 @@ def activate_all(page: Any, session: Session) -> None:
     page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE").wait_for()
 
 
+@pytest.mark.nightly
 def test_states_by_mouse(page: Any, session: Session) -> None:
     box = page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE")
     box.locator(".head").click(button="right")
@@ -126,6 +127,7 @@ def test_a_box_is_moved_by_mouse(page: Any, session: Session) -> None:
     page.get_by_role("button", name="Arranged").click()
 
 
+@pytest.mark.nightly
 def test_a_box_is_moved_by_keyboard(page: Any, session: Session) -> None:
     x, y = session.places[ODOMETRY]
     page.get_by_role("button", name="Arranged").click()
@@ -274,6 +276,7 @@ def test_time_by_keyboard(page: Any, session: Session) -> None:
     page.get_by_role("button", name="Pause").wait_for()
 
 
+@pytest.mark.nightly
 def test_time_by_mouse(page: Any, session: Session) -> None:
     page.get_by_role("button", name="Pause").click()
     until(page, lambda: not session.time().playing)

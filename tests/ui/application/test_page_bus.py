@@ -77,6 +77,7 @@ FILTERS = {
 }
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("text", "kinds"), FILTERS.items(), ids=range(len(FILTERS)))
 def test_filters_are_a_language(bus: Any, text: str, kinds: set[str]) -> None:
     # Rows of all identifiers do not depend on what came last.
@@ -95,6 +96,7 @@ def test_filters_are_a_language(bus: Any, text: str, kinds: set[str]) -> None:
     counted.click()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("text", ["(tpdo1", "id:xyz", "a | ", "!", "node>1-2", ")"])
 def test_a_filter_that_is_wrong_says_why(bus: Any, text: str) -> None:
     filled = bus.get_by_label("Filter")
@@ -133,6 +135,7 @@ def test_frames_are_cleared(bus: Any, press: Callable[[Any], None]) -> None:
     rows.first.wait_for()
 
 
+@pytest.mark.nightly
 @by_both_hands
 def test_frames_are_held(
     bus: Any, session: Session, press: Callable[[Any], None]
@@ -215,6 +218,7 @@ def test_objects_are_read_and_written(bus: Any, press: Callable[[Any], None]) ->
     region.get_by_label("Objects", exact=True).fill("")
 
 
+@pytest.mark.nightly
 @by_both_hands
 def test_objects_are_a_tree(bus: Any, press: Callable[[Any], None]) -> None:
     region = bus.get_by_role("region", name="Object dictionary")
@@ -232,6 +236,7 @@ def test_objects_are_a_tree(bus: Any, press: Callable[[Any], None]) -> None:
     identity.wait_for(state="detached")
 
 
+@pytest.mark.nightly
 @by_both_hands
 def test_frames_are_sent(
     bus: Any, session: Session, press: Callable[[Any], None]

@@ -76,6 +76,7 @@ def test_a_distance_is_measured_by_mouse(page: Any, area: Any) -> None:
     until(page, lambda: measured.inner_text() == "")
 
 
+@pytest.mark.nightly
 def test_a_distance_is_measured_by_keyboard(page: Any, area: Any) -> None:
     page.get_by_role("button", name="Measure").press("Enter")
     area.focus()
@@ -129,6 +130,7 @@ def numbers(words: Any) -> list[float]:
     return [*map(float, re.findall(r"-?\d+\.\d+", words.inner_text()))]
 
 
+@pytest.mark.nightly
 def test_the_wheel_zooms_around_the_mouse(page: Any, area: Any) -> None:
     box = area.bounding_box()
     x, y = round(box["x"]) + 60, round(box["y"]) + 60

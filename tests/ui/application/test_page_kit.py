@@ -37,6 +37,7 @@ DEFAULTS = """() => {
 """The controls that look as the browser draws them without a style."""
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_all_components_are_drawn_in_both_schemes(
     browser: Any, server: Server, scheme: str

@@ -93,6 +93,7 @@ def test_they_are_steered_and_configured(
     until(page, lambda: limit() == before)
 
 
+@pytest.mark.nightly
 def test_lines_between_their_boxes_are_drawn(
     page: Any, session: Session, names: str
 ) -> None:

@@ -83,6 +83,7 @@ def test_a_drag_zooms_and_a_double_click_shows_all(page: Any, pose: Any) -> None
     until(page, lambda: zoomed(page) is None)
 
 
+@pytest.mark.nightly
 def test_keys_zoom_and_move_the_cursor(page: Any, pose: Any) -> None:
     pose.get_by_role("img", name="Values over time").focus()
     page.keyboard.press("+")
@@ -119,6 +120,7 @@ def test_the_table_has_the_values_at_the_cursor(page: Any, pose: Any) -> None:
     until(page, lambda: float(cells(pose)[0]) == newest)
 
 
+@pytest.mark.nightly
 def test_curves_are_hidden_until_they_are_shown_again(page: Any, pose: Any) -> None:
     box = row(pose, HEADING).get_by_role("checkbox")
     box.uncheck()
@@ -131,6 +133,7 @@ def test_curves_are_hidden_until_they_are_shown_again(page: Any, pose: Any) -> N
     until(page, lambda: cells(pose, HEADING)[1] != "")
 
 
+@pytest.mark.nightly
 def test_a_row_is_dragged_into_another_plot(page: Any, pose: Any) -> None:
     # What is dragged, and where to, are seen at once.
     page.set_viewport_size({"width": WIDE[0], "height": 1700})

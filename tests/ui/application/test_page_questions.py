@@ -48,6 +48,7 @@ def edit(page: Any, session: Session) -> None:
     page.get_by_text("unsaved edits").wait_for()
 
 
+@pytest.mark.nightly
 @by_both_hands
 def test_another_file_is_replaced_only_when_the_user_says_so(
     page: Any, session: Session, press: Callable[[Any], None]

@@ -36,6 +36,7 @@ def test_a_function_is_called_and_its_octets_shown(services: Any) -> None:
     assert "name = RH3 motor board, simulated" in reply.inner_text()
 
 
+@pytest.mark.nightly
 def test_a_hundred_calls_are_a_histogram(services: Any) -> None:
     times = services.get_by_label("Times identify is called")
     times.fill("100")

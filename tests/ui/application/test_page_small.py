@@ -82,6 +82,7 @@ BOXES = """() => {
 }"""
 
 
+@pytest.mark.nightly
 def test_the_whole_wiring_is_seen_at_first(page: Any, session: Session) -> None:
     def fits() -> bool:
         (left, top, right, bottom), boxes, names = page.evaluate(BOXES)
@@ -165,6 +166,7 @@ def test_ports_are_joined_by_touch(page: Any, session: Session) -> None:
     show(page, "Wiring")
 
 
+@pytest.mark.nightly
 def test_the_stick_is_reached_and_pulled(page: Any, session: Session) -> None:
     show(page, "Drive")
     page.get_by_label("Driven port").select_option("RefHardRh30.InTargetVelocity")
@@ -190,6 +192,7 @@ def test_the_stick_is_reached_and_pulled(page: Any, session: Session) -> None:
     show(page, "Wiring")
 
 
+@pytest.mark.nightly
 def test_time_is_set_and_files_are_reached(page: Any, session: Session) -> None:
     show(page, "Time")
     page.get_by_label("Go to time in seconds").fill("1.5")

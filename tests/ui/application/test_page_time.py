@@ -84,6 +84,7 @@ def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
     )
 
 
+@pytest.mark.nightly
 def test_plots_say_what_is_left_out(page: Any, session: Session) -> None:
     select(page, "PathFollower0")
     page.get_by_role("tab", name="Values").click()

@@ -32,6 +32,7 @@ def asked(kind: RenameKind, part: str, name: str, *, carried_out: bool) -> ui.Re
     return ui.Rename(kind, "Heater0", part, name, carried_out)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("what", RENAMES)
 def test_a_rename_is_shown_carried_out_undone_and_redone(
     what: str, bench: Bench, warm: Path, capfd: pytest.CaptureFixture[str]
