@@ -9,7 +9,7 @@ import emitted
 import pytest
 
 from rtgen.compiler.frontends.idl import load
-from rtgen.compiler.layouts.offsets import StructLayout, layout
+from rtgen.compiler.layouts.offsets import Layouts, StructLayout
 from rtgen.compiler.layouts.representations import Representations
 from rtgen.compiler.model import Model, Struct
 
@@ -111,7 +111,7 @@ def model(tmp_path_factory: pytest.TempPathFactory) -> Model:
 def laid_out(model: Model, name: str) -> StructLayout:
     struct = model.find(("o", name))
     assert isinstance(struct, Struct)
-    return layout(model, struct, Representations(model))
+    return Layouts(model, Representations(model)).of(struct)
 
 
 def octets(value: Any) -> bytes:
@@ -272,7 +272,7 @@ def chain(folder: Path, first: str, following: str, levels: int) -> Model:
 
 def sizes(model: Model) -> list[int | None]:
     found = [d for d in model.declarations if isinstance(d, Struct)]
-    return [layout(model, struct, Representations(model)).size for struct in found]
+    return [Layouts(model, Representations(model)).of(struct).size for struct in found]
 
 
 def test_structs_in_structs(tmp_path: Path) -> None:
@@ -306,7 +306,7 @@ def test_a_struct_begins_with_the_first_octet_of_its_first_member(
     model = load([tmp_path / "chain.idl"], root=tmp_path).model
     struct = model.find(("S80",))
     assert isinstance(struct, Struct)
-    places = layout(model, struct, Representations(model)).members
+    places = Layouts(model, Representations(model)).of(struct).members
     assert [(place.offset, place.size) for place in places] == [(0, 1), (8, 8)]
 
 

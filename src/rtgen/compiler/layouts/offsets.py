@@ -64,15 +64,22 @@ class StructLayout:
     xcdr2: bool
 
 
-def layout(
-    model: Model, struct: Struct, representations: Representations
-) -> StructLayout:
-    """Compute the layout of a struct."""
-    xcdr2 = representations.is_xcdr2(struct)
-    measure = _Measure(model, representations, xcdr2)
-    members = tuple(measure.members(struct))
-    end = members[-1].end if members else measure.begin(struct, 0)
-    return StructLayout(members, end, xcdr2)
+class Layouts:
+    """The layouts of the structs of a model; each type is measured once."""
+
+    def __init__(self, model: Model, representations: Representations) -> None:
+        self._representations = representations
+        self._measures = {
+            xcdr2: _Measure(model, representations, xcdr2) for xcdr2 in (False, True)
+        }
+
+    def of(self, struct: Struct) -> StructLayout:
+        """Compute the layout of a struct."""
+        xcdr2 = self._representations.is_xcdr2(struct)
+        measure = self._measures[xcdr2]
+        members = tuple(measure.members(struct))
+        end = members[-1].end if members else measure.begin(struct, 0)
+        return StructLayout(members, end, xcdr2)
 
 
 class _Measure:
@@ -83,8 +90,9 @@ class _Measure:
         self._representations = representations
         self._xcdr2 = xcdr2
         self._widest = _WIDEST_IN_XCDR2 if xcdr2 else _WIDEST
-        self._lengths: dict[tuple[Type, int], int] = {}
+        self._lengths: dict[tuple[Type, int], int | None] = {}
         """Octets of a value, including padding before it, by its type and offset modulo _WIDEST."""
+        self._alignments: dict[Type, int] = {}
 
     def members(self, struct: Struct) -> Iterator[MemberPlace]:
         """Yield the members with their places, those of bases first."""
@@ -123,14 +131,18 @@ class _Measure:
 
     def _alignment(self, type_: Type) -> int:
         """Return the alignment of the first octet of a value."""
-        passed: set[Type] = set()
-        alignment = self._first(type_)
-        while not isinstance(alignment, int):
-            if alignment in passed:
-                return 1  # A struct that begins with itself has no values.
-            passed.add(alignment)
-            alignment = self._first(alignment)
-        return alignment
+        passed: dict[Type, None] = {}
+        first: int | Type = type_
+        while not isinstance(first, int):
+            if first in passed:
+                first = 1  # A struct that begins with itself has no values.
+            elif first in self._alignments:
+                first = self._alignments[first]
+            else:
+                passed[first] = None
+                first = self._first(first)
+        self._alignments |= dict.fromkeys(passed, first)
+        return first
 
     def _first(self, type_: Type) -> int | Type:
         """Return the alignment of a type, or the type with which its values begin."""
@@ -177,13 +189,11 @@ class _Measure:
     def _after(self, offset: int, type_: Type) -> int | None:
         """Return the offset after a value; None if its length varies."""
         key = type_, offset % _WIDEST
-        length = self._lengths.get(key)
-        if length is None:
+        if key not in self._lengths:
             end = self._measured(self._aligned(offset, type_), type_)
-            if end is None:
-                return None
-            length = self._lengths[key] = end - offset
-        return offset + length
+            self._lengths[key] = None if end is None else end - offset
+        length = self._lengths[key]
+        return None if length is None else offset + length
 
     def _measured(self, start: int, type_: Type) -> int | None:
         """Return the offset after a value at an aligned offset."""

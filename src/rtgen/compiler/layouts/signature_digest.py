@@ -30,7 +30,6 @@ from rtgen.compiler.model.tecs import (
     Signature,
     Sizes,
     TecsFunction,
-    TecsStruct,
     TecsUnit,
 )
 from rtgen.compiler.model.types import ScopedName
@@ -107,11 +106,9 @@ class _Writer:
         if earlier is not None:
             return f"struct {earlier}"
         number = self._numbers[tag] = len(self._numbers) + 1
-        try:
-            struct = self._unit.find(tag, TecsStruct)
-        except KeyError:
+        struct = self._unit.structs.get(tag)
+        if struct is None:
             return f"struct {number}"
-        assert isinstance(struct, TecsStruct)
         members = "".join(
             f"{self._type(m.type)} {m.name}{_sizes(m.sizes)};" for m in struct.members
         )

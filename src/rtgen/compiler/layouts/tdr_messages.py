@@ -273,9 +273,7 @@ class _Nodes:
     """Makes nodes of types."""
 
     def __init__(self, unit: TecsUnit) -> None:
-        self._structs = {
-            d.name: d for d in unit.declarations if isinstance(d, TecsStruct)
-        }
+        self._structs = unit.structs
         self._open: set[tuple[str, ...]] = set()
         self._counts: dict[tuple[str, ...], int] = {}
         self.records: dict[tuple[str, ...], Record] = {}

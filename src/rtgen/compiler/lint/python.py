@@ -15,11 +15,12 @@ from rtgen.compiler.model import (
     Enum,
     ExceptionDecl,
     Interface,
+    ScopedName,
     Struct,
     Union,
 )
 from rtgen.compiler.typemap.python.idl_names import PythonNames, is_emitted
-from rtgen.compiler.typemap.python.names import module_name, scope_modules
+from rtgen.compiler.typemap.python.names import identifier, module_name
 
 _BUILTINS = frozenset(dir(builtins))
 _DEVICES = re.compile(r"aux|con|nul|prn|(?:com|lpt)[0-9]")
@@ -63,9 +64,14 @@ def names(context: Context) -> Iterator[Diagnostic]:
 def files(context: Context) -> Iterator[Diagnostic]:
     """Report modules and components whose Python files Windows cannot store, once for each name."""
     reported = set()
+    passed: set[ScopedName] = {()}
     for declaration in context.declarations:
-        *scope, name = declaration.name
-        modules = dict(zip(scope, scope_modules(tuple(scope)), strict=True))
+        scope, name = declaration.name[:-1], declaration.name[-1]
+        outer = len(scope)
+        while scope[:outer] not in passed:
+            passed.add(scope[:outer])
+            outer -= 1
+        modules = {part: identifier(part.lower()) for part in scope[outer:]}
         if isinstance(declaration, Component):
             modules[name] = module_name(name)
         for idl, module in modules.items():

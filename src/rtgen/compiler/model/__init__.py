@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Mapping, Sequence
 from functools import cached_property
 from typing import TYPE_CHECKING
 
@@ -211,9 +211,16 @@ class Model(msgspec.Struct, frozen=True, dict=True):
         )
         return declaration if isinstance(declaration, Typedef) else None
 
-    def of_file(self, name: str) -> Iterable[Declaration]:
+    @cached_property
+    def _by_file(self) -> dict[str, list[Declaration]]:
+        files: dict[str, list[Declaration]] = {}
+        for declaration in self.declarations:
+            files.setdefault(declaration.file, []).append(declaration)
+        return files
+
+    def of_file(self, name: str) -> Sequence[Declaration]:
         """Return the declarations in a file, by its displayed path."""
-        return (d for d in self.declarations if d.file == name)
+        return self._by_file.get(name, ())
 
 
 class Package(msgspec.Struct, frozen=True, kw_only=True):

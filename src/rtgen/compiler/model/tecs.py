@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from enum import StrEnum
+from functools import cached_property
 
 import msgspec
 
@@ -286,7 +287,7 @@ class Region(TecsDeclaration, frozen=True, kw_only=True):
     node: bool = False
 
 
-class TecsUnit(msgspec.Struct, frozen=True):
+class TecsUnit(msgspec.Struct, frozen=True, dict=True):
     """The declarations of a main CDL file and its imports, imports before importers.
 
     `file` is the displayed path of the main file, `key` the one for generated text.
@@ -296,15 +297,23 @@ class TecsUnit(msgspec.Struct, frozen=True):
     key: str
     declarations: tuple[TecsDeclaration, ...]
 
+    @cached_property
+    def structs(self) -> dict[ScopedName, TecsStruct]:
+        """The structs by their tags."""
+        return {d.name: d for d in self.declarations if isinstance(d, TecsStruct)}
+
+    @cached_property
+    def _by_kind(
+        self,
+    ) -> dict[tuple[ScopedName, type[TecsDeclaration]], TecsDeclaration]:
+        return {(d.name, type(d)): d for d in self.declarations}
+
     def find(self, name: ScopedName, kind: type[TecsDeclaration]) -> TecsDeclaration:
         """Find a declaration by name and kind. Raises KeyError.
 
         Struct tags have a separate name space, so the kind is required.
         """
-        for declaration in self.declarations:
-            if declaration.name == name and isinstance(declaration, kind):
-                return declaration
-        raise KeyError(name)
+        return self._by_kind[name, kind]
 
     def joins_through(self, plugin: str) -> tuple[tuple[Cell, Join], ...]:
         """Return the joins through a plug-in of that name, in order of the text."""

@@ -454,7 +454,7 @@ def _tree(output: Path) -> tuple[set[str], set[str], list[Path]]:
 
 
 def _folders_above(path: str) -> Iterator[str]:
-    return (path[:i] for i, c in enumerate(path) if c == "/")
+    return (path[: slash.start()] for slash in re.finditer("/", path))
 
 
 def _is_temporary(name: str) -> bool:

@@ -87,7 +87,7 @@ class TecsSide:
         self._units: dict[ScopedName, TecsUnit] = {}
         everywhere: dict[ScopedName, TecsStruct] = {}
         for unit in version.model.tecs:
-            known = {d.name: d for d in unit.declarations if isinstance(d, TecsStruct)}
+            known = unit.structs
             octets = Octets(known, numbers)
             everywhere.update(known)
             for each in unit.declarations:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from functools import cached_property
 from typing import TypeVar
 
 from rtgen.compiler.backends.kit.quoting.markdown import (
@@ -14,8 +15,9 @@ from rtgen.compiler.backends.kit.quoting.markdown import (
     text,
 )
 from rtgen.compiler.diagnostics import Span
+from rtgen.compiler.layouts.offsets import Layouts
 from rtgen.compiler.layouts.representations import Representations
-from rtgen.compiler.model import Extensibility, Model, System
+from rtgen.compiler.model import Component, Extensibility, Model, PortKind, System
 from rtgen.tools.docs.places import Kind, Places
 
 Item = TypeVar("Item")
@@ -29,7 +31,7 @@ class File:
     text: str
 
 
-@dataclass(frozen=True, slots=True)
+@dataclass(frozen=True)
 class Content:
     """The documented content: a model after all lowerings, its systems, and default encodings."""
 
@@ -41,9 +43,26 @@ class Content:
     xcdr2: bool
     extensibility: Extensibility
 
-    def representations(self, *, xcdr2: bool) -> Representations:
-        """Return the representations of types; those without annotation are CDR or XCDR2."""
-        return Representations(self.model, xcdr2, self.extensibility)
+    @cached_property
+    def cdr(self) -> Representations:
+        """The representations of types; those without annotation are CDR."""
+        return Representations(self.model, False, self.extensibility)
+
+    @cached_property
+    def layouts(self) -> tuple[Layouts, Layouts]:
+        """The layouts of structs; those without annotation are CDR, or XCDR2."""
+        xcdr2 = Representations(self.model, True, self.extensibility)
+        return Layouts(self.model, self.cdr), Layouts(self.model, xcdr2)
+
+    @cached_property
+    def users(self) -> dict[tuple[PortKind, str], list[str]]:
+        """The components by the kind and the type of their ports."""
+        users: dict[tuple[PortKind, str], list[str]] = {}
+        for each in self.model.declarations:
+            if isinstance(each, Component):
+                for key in {(p.kind, str(p.type)): None for p in each.ports}:
+                    users.setdefault(key, []).append(each.name[-1])
+        return users
 
     def assign(self, kind: Kind, items: Mapping[str, Item]) -> Mapping[str, Item]:
         """Assign a page to each item; return the items."""

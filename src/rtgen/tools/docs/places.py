@@ -30,6 +30,7 @@ class Places:
     def __init__(self) -> None:
         self._places: dict[tuple[Kind, str], tuple[str, str]] = {}
         self._taken: set[str] = set()
+        self._numbers: dict[str, int] = {}
 
     def page(self, kind: Kind, name: str, path: str = "") -> str:
         """Return the path without suffix of an item's page, the same for each call.
@@ -87,11 +88,12 @@ class Places:
         return f"{path}#{anchor}" if anchor else path
 
     def _free(self, wanted: str) -> str:
-        name, number = wanted, 1
+        name, number = wanted, self._numbers.get(wanted, 1)
         while name.casefold() in self._taken:
             number += 1
             name = f"{wanted}-{number}"
         self._taken.add(name.casefold())
+        self._numbers[wanted] = number
         return name
 
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
+from typing import NamedTuple
 
 from rtgen.compiler.backends.kit.quoting.markdown import code
 from rtgen.compiler.inspection.tecs import prototype
@@ -27,35 +28,45 @@ from rtgen.compiler.layouts.tdr import (
     size_of,
 )
 from rtgen.compiler.layouts.tdr_messages import layout_of
+from rtgen.compiler.model import ScopedName
 from rtgen.compiler.model.tecs import Celltype, Signature, TecsUnit
 from rtgen.tools.docs.pages import Content, Page
 from rtgen.tools.docs.places import Kind
 
 
-def listed(content: Content) -> Mapping[str, tuple[TecsUnit, Signature]]:
+class Documented(NamedTuple):
+    """A signature with its unit, and celltypes by the kind and the signature of their ports."""
+
+    unit: TecsUnit
+    signature: Signature
+    users: Mapping[tuple[str, ScopedName], Sequence[str]]
+
+
+def listed(content: Content) -> Mapping[str, Documented]:
     """Return the signatures by name, and assign pages to them."""
-    found: dict[str, tuple[TecsUnit, Signature]] = {}
+    found: dict[str, Documented] = {}
     for unit in content.model.tecs:
+        users: dict[tuple[str, ScopedName], list[str]] = {}
         for declaration in unit.declarations:
-            if isinstance(declaration, Signature):
-                found.setdefault(declaration.scoped, (unit, declaration))
+            match declaration:
+                case Signature():
+                    documented = Documented(unit, declaration, users)
+                    found.setdefault(declaration.scoped, documented)
+                case Celltype(ports=ports):
+                    for key in {(p.kind, p.signature): None for p in ports}:
+                        users.setdefault(key, []).append(declaration.scoped)
     return content.assign(Kind.SIGNATURE, found)
 
 
-def add(content: Content, page: Page, signature: tuple[TecsUnit, Signature]) -> None:
+def add(content: Content, page: Page, documented: Documented) -> None:
     """Fill the page of a signature."""
-    unit, s = signature
+    unit, s, users = documented
     page.description(s.doc)
     page.add(f"Defined in {content.source(s.file, s.span)}.")
     for kind, verb in (("entry", "Provided by"), ("call", "Called by")):
-        users = [
-            d.scoped
-            for d in unit.declarations
-            if isinstance(d, Celltype)
-            if any(p.kind == kind and p.signature == s.name for p in d.ports)
-        ]
-        if users:
-            page.add(f"{verb} the celltypes {', '.join(map(code, users))}.")
+        celltypes = users.get((kind, s.name))
+        if celltypes:
+            page.add(f"{verb} the celltypes {', '.join(map(code, celltypes))}.")
     page.heading(2, "Functions")
     rows = [(f.id, code(prototype(f)), "oneway" * f.oneway, f.doc) for f in s.functions]
     page.table(("id", "function", "", "description"), rows)

@@ -8,7 +8,7 @@ from rtgen.compiler.backends.kit.idl_text.literals import default_text, readable
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code, text
 from rtgen.compiler.inspection.facts import kind_of
 from rtgen.compiler.inspection.models import labels_of
-from rtgen.compiler.layouts.offsets import MemberPlace, layout
+from rtgen.compiler.layouts.offsets import MemberPlace
 from rtgen.compiler.model import (
     VOID,
     Bitmask,
@@ -112,10 +112,7 @@ def _add(content: Content, page: Page, d: Declaration) -> None:
 
 
 def _add_struct(content: Content, page: Page, struct: Struct) -> None:
-    plain, compact = (
-        layout(content.model, struct, content.representations(xcdr2=xcdr2))
-        for xcdr2 in (False, True)
-    )
+    plain, compact = (layouts.of(struct) for layouts in content.layouts)
     rows = []
     for place, other in zip(plain.members, compact.members, strict=True):
         member = place.member
@@ -137,7 +134,7 @@ def _add_struct(content: Content, page: Page, struct: Struct) -> None:
         f"{name} {'depends on the values' if size is None else f'{size} octets'}"
         for name, size in (("CDR", plain.size), ("XCDR2", compact.size))
     ]
-    kind = content.representations(xcdr2=False).extensibility(struct)
+    kind = content.cdr.extensibility(struct)
     base = ""
     if struct.base is not None:
         name = "::".join(struct.base)
@@ -195,7 +192,7 @@ def _add_interface(
         (PortKind.PROVIDER, "Provided by"),
         (PortKind.CONSUMER, "Called by"),
     ):
-        users = _components(content, interface, kind)
+        users = content.users.get((kind, interface.scoped))
         if users:
             links = (places.link(Kind.COMPONENT, name, here) for name in users)
             page.add(f"{verb} {', '.join(links)}.")
@@ -218,13 +215,3 @@ def _operation(content: Content, here: str, o: Operation) -> tuple[object, ...]:
         Markdown(", ".join(raises)),
         o.doc,
     )
-
-
-def _components(content: Content, d: Declaration, kind: PortKind) -> list[str]:
-    """Return the components with a port of a kind for an interface."""
-    return [
-        c.name[-1]
-        for c in content.model.declarations
-        if isinstance(c, Component)
-        if any(p.kind is kind and str(p.type) == d.scoped for p in c.ports)
-    ]

@@ -98,11 +98,14 @@ class _Writer:
         self._names = names
         self._types = types
         self._options = part.options
-        scopes = {d.name[:-1] for d in part.model.declarations}
+        scopes: set[ScopedName] = {()}
+        for declaration in part.model.declarations:
+            scope = declaration.name[:-1]
+            while scope not in scopes:
+                scopes.add(scope)
+                scope = scope[:-1]
         self._packages = {
-            ".".join((names.package, *package_path(scope[:depth])))
-            for scope in scopes
-            for depth in range(len(scope) + 1)
+            ".".join((names.package, *package_path(scope))) for scope in scopes
         }
 
     def artifacts(self) -> Iterator[Artifact]:

@@ -72,10 +72,13 @@ def packages(
         exported = files[declaration.file].exported and is_emitted(declaration)
         if not exported or names.is_nested(declaration.name):
             continue
-        for depth in range(len(scope) + 1):
+        known = len(scope)
+        while scope[:known] not in packages_of:
+            known -= 1
+        for depth in range(known + 1, len(scope) + 1):
             inner = scope[:depth]
             name = ".".join((names.package, *package_path(inner)))
-            packages_of.setdefault(inner, Package(inner, name))
+            packages_of[inner] = Package(inner, name)
         _fill(packages_of[scope], names, declaration, declaration.name in codecs)
     return list(packages_of.values())
 

@@ -9,7 +9,7 @@ from __future__ import annotations
 import builtins
 from collections import Counter
 from collections.abc import Collection, Iterable, Iterator, Sequence
-from functools import cached_property
+from functools import cached_property, lru_cache
 from typing import TypeAlias
 
 from rtgen.compiler.model import (
@@ -37,7 +37,7 @@ from rtgen.compiler.typemap.python.implementation_modules import (
     implementation_modules,
     referred,
 )
-from rtgen.compiler.typemap.python.names import identifier, scope_modules
+from rtgen.compiler.typemap.python.names import identifier
 from rtgen.compiler.typemap.python.support import HOMES
 
 CODEC = frozenset(
@@ -116,7 +116,7 @@ class PythonNames:
         self._files = {file.name: file for file in model.files}
         self._homes = self._chosen_homes()
         self._implementations: dict[ScopedName, tuple[str, str]] = {}
-        self._depths: dict[ScopedName, int] = {}
+        self._depths: dict[ScopedName, int] = {(): 0}
         self._attributes: dict[str, frozenset[str]] = {}
         self._holdings: dict[ScopedName, dict[str, Declaration]] = {}
         self._operations: dict[ScopedName, dict[str, str]] = {}
@@ -381,11 +381,13 @@ class PythonNames:
     def _depth(self, name: ScopedName) -> int:
         """Return how many leading parts are IDL modules."""
         scope = name[:-1]
-        if scope not in self._depths:
-            self._depths[scope] = next(
-                (i for i in range(len(scope)) if name[: i + 1] in self._names),
-                len(scope),
-            )
+        known = len(scope)
+        while scope[:known] not in self._depths:
+            known -= 1
+        for length in range(known + 1, len(scope) + 1):
+            outer = self._depths[scope[: length - 1]]
+            is_module = outer == length - 1 and scope[:length] not in self._names
+            self._depths[scope[:length]] = length if is_module else outer
         return self._depths[scope]
 
     def _attribute(self, name: ScopedName) -> str:
@@ -514,10 +516,17 @@ def is_emitted(declaration: Declaration) -> bool:
     return not isinstance(declaration, Component | Home | Native)
 
 
+@lru_cache(maxsize=4096)
 def package_path(scope: ScopedName) -> tuple[str, ...]:
-    """Return the package path below the root of an IDL module; avoids rtgen's own packages."""
-    path = scope_modules(scope)
-    return (identifier(path[0], _PACKAGES), *path[1:]) if path else path
+    """Return the package path below the root of an IDL module: `("IIS",)` to `("iis",)`.
+
+    It avoids rtgen's own packages.
+    """
+    if not scope:
+        return ()
+    *outer, name = scope
+    package = identifier(name.lower(), () if outer else _PACKAGES)
+    return (*package_path(tuple(outer)), package)
 
 
 def is_package(module: str, name: ScopedName) -> bool:

@@ -8,7 +8,6 @@ import unicodedata
 from collections.abc import Collection
 from functools import lru_cache
 
-from rtgen.compiler.model import ScopedName
 from rtgen.facts import python_modules
 
 _WHOLE_WORD = re.compile(r"CANopen|CiA(?![a-z])|[A-Z]{2,}s(?![a-z])")
@@ -79,8 +78,3 @@ def skeleton_module(name: str, package: str, skeleton_package: str) -> str:
     while module == root or python_modules.owner(module):
         module += "_"
     return module
-
-
-def scope_modules(scope: ScopedName) -> tuple[str, ...]:
-    """Return the package path below the root for an IDL module: `("IIS",)` to `("iis",)`."""
-    return tuple(identifier(part.lower()) for part in scope)

@@ -40,7 +40,6 @@ from rtgen.compiler.model.tecs import (
     Sizes,
     TecsDirection,
     TecsParameter,
-    TecsStruct,
     TecsUnit,
 )
 from rtgen.facts.tdr import Scalar
@@ -128,9 +127,7 @@ class IdlTypes:
         structs: Mapping[ScopedName, ScopedName],
         typedefs: Mapping[ScopedName, ScopedName],
     ) -> None:
-        self._declared = {
-            d.name: d for d in unit.declarations if isinstance(d, TecsStruct)
-        }
+        self._declared = unit.structs
         self._structs = structs
         self._typedefs = typedefs
         self._widths = widths

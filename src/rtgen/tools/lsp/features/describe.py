@@ -253,7 +253,7 @@ def layout_of_struct(
 
 def _laid_out(analysis: Analysis, struct: Struct) -> offsets.StructLayout | None:
     try:
-        return offsets.layout(analysis.model, struct, representations_of(analysis))
+        return offsets.Layouts(analysis.model, representations_of(analysis)).of(struct)
     except (KeyError, RecursionError):
         return None
 

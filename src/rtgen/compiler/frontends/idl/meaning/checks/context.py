@@ -27,11 +27,15 @@ from rtgen.compiler.model import (
 
 
 class Context(msgspec.Struct, frozen=True):
-    """The types and declarations of a translation unit, and the sink of diagnostics."""
+    """The types and declarations of a translation unit, and the sink of diagnostics.
+
+    `local` has the declarations of which it is known whether they contain a local interface.
+    """
 
     types: Types
     made: Mapping[ScopedName, Declaration]
     report: Callable[[Diagnostic], None]
+    local: dict[ScopedName, bool] = {}
 
     def report_at(
         self,
@@ -105,32 +109,47 @@ class Context(msgspec.Struct, frozen=True):
             )
         return not bad and self.maps_are_good(type_.value, node, unit)
 
-    def is_local(self, type_: Type | None, seen: set[ScopedName] | None = None) -> bool:
+    def is_local(self, type_: Type | None) -> bool:
         """Return whether a type is, or contains, a local interface."""
         if isinstance(type_, PrimitiveType):
             return False
-        seen = set() if seen is None else seen
-        pending: list[Type | None] = [type_]
+        holders: dict[ScopedName, ScopedName | None] = {}
+        pending: list[tuple[Type | None, ScopedName | None]] = [(type_, None)]
         while pending:
-            plain = self.types.unaliased(pending.pop())
-            match plain:
+            part, holder = pending.pop()
+            match self.types.unaliased(part):
                 case SequenceType(element) | ArrayType(element):
-                    pending.append(element)
+                    pending.append((element, holder))
                 case MapType(key, value):
-                    pending += [key, value]
-                case NamedType(name) if name not in seen:
-                    seen.add(name)
-                    entity = self.types.entity(name)
-                    if entity is None:
-                        continue
-                    if entity.kind is Kind.INTERFACE and entity.modifier == "local":
+                    pending += [(key, holder), (value, holder)]
+                case NamedType(name) if name not in holders:
+                    holders[name] = holder
+                    if name not in self.local:
+                        pending += [(each, name) for each in self._members(name)]
+                    if self.local.get(name) or self._is_local_interface(name):
+                        self.local[name] = True
+                        while (outer := holders[name]) is not None:
+                            self.local[name := outer] = True
                         return True
-                    holds = (Kind.STRUCT, Kind.UNION, Kind.EXCEPTION)
-                    if entity.kind in holds and entity.inner is not None:
-                        pending += [
-                            self.types.of_entity(member)
-                            for member in entity.inner.names.values()
-                            if member.kind is Kind.MEMBER
-                            and member.type_node is not None
-                        ]
+        self.local.update(dict.fromkeys(holders, False))
         return False
+
+    def _is_local_interface(self, name: ScopedName) -> bool:
+        entity = self.types.entity(name)
+        return (
+            entity is not None
+            and entity.kind is Kind.INTERFACE
+            and entity.modifier == "local"
+        )
+
+    def _members(self, name: ScopedName) -> list[Type | None]:
+        """Return the types of the members of a struct, union or exception."""
+        entity = self.types.entity(name)
+        holds = (Kind.STRUCT, Kind.UNION, Kind.EXCEPTION)
+        if entity is None or entity.kind not in holds or entity.inner is None:
+            return []
+        return [
+            self.types.of_entity(member)
+            for member in entity.inner.names.values()
+            if member.kind is Kind.MEMBER and member.type_node is not None
+        ]
