@@ -214,9 +214,9 @@ def test_folding(editor: Editor, file: str, wanted: list[tuple[int, int]]) -> No
 @pytest.mark.parametrize(
     ("file", "at", "typed", "wanted", "unwanted"),
     [
-        ("drawing_idl", "    consumes ^^Shapes", "Shapes::", {"Point", "MOST"}, {"Canvas"}),
-        ("drawing_idl", "    ^^consumes", "", {"Canvas", "Shapes", "provides"}, {"Point"}),
-        ("drawing_idl", "    ^^consumes", "@de", {"default", "unit"}, {"Shapes"}),
+        ("drawing_idl", "    consumes ^^Shapes", "Shapes::", {"Point"}, {"Canvas", "MOST"}),
+        ("drawing_idl", "    ^^consumes", "", {"provides"}, {"Point", "Canvas"}),
+        ("drawing_idl", "    ^^consumes", "@de", {"name", "port"}, {"Shapes", "default", "id"}),
         ("drawing_idl", '#include "^^types', "", {"types.idl", "BasicDataType.idl"}, set()),
         ("board_cdl", "cMotor = ^Motor.eMotor^;", "Motor.", {"eMotor"}, {"cMotor"}),
         ("board_cdl", "cell ^tTask^ Task", "t", {"tTask", "tMotor"}, {"sMotor"}),

@@ -16,12 +16,12 @@ from lsprotocol.types import (
 from rtgen.compiler.frontends.cdl.syntax import keywords as cdl_keywords
 from rtgen.compiler.frontends.idl.names.annotation_definitions import DEFINITIONS
 from rtgen.compiler.kit.resources import IDL_FILES
-from rtgen.compiler.typemap.idl_keywords import CORBA_3, RESERVED
 from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.tools.indexing.index import Definition, Index, Kind
 from rtgen.tools.lsp.documents import Language
 from rtgen.tools.lsp.features import schema
+from rtgen.tools.lsp.features.idl_context import TYPES, Expected, expected
 from rtgen.tools.lsp.workspace import View
 
 MAX_ITEMS = 500
@@ -57,7 +57,6 @@ _ITEMS = {
 _SCOPED = re.compile(r"((?:::)?(?:\w+::)+)(\w*)$", re.ASCII)
 _INCLUDE = re.compile(r"^\s*#\s*include\s*[\"<]([^\">]*)$")
 _IMPORT = re.compile(r"^\s*import\s*\(\s*[\"<]([^\">]*)$")
-_ANNOTATION = re.compile(r"@(\w*)$")
 _JOINED = re.compile(r"(\w+)\.(\w*)$")
 _CELL = re.compile(r"\bcell\s+\w*$")
 _PORT = re.compile(r"\b(?:call|entry)\s+\w*$")
@@ -65,12 +64,8 @@ _EDS_KEYS = (
     *("ParameterName", "ObjectType", "DataType", "AccessType", "DefaultValue"),
     *("PDOMapping", "LowLimit", "HighLimit", "SubNumber", "ObjFlags", "CompactSubObj"),
 )
-_TYPES = frozenset(
-    (
-        *(Kind.STRUCT, Kind.UNION, Kind.ENUM, Kind.BITS, Kind.TYPEDEF, Kind.INTERFACE),
-        *(Kind.MODULE, Kind.CONSTANT, Kind.EXCEPTION, Kind.ENUMERATOR, Kind.COMPONENT),
-    )
-)
+_SCOPES = frozenset((Kind.MODULE, Kind.INTERFACE, Kind.STRUCT, Kind.COMPONENT))
+_NAMED = TYPES | {Kind.CONSTANT, Kind.EXCEPTION, Kind.ENUMERATOR, Kind.COMPONENT}
 _VALUE = re.compile(r"[\w:]*type(?:Name)?\s*[:=]\s*[\"']?[\w:]*$", re.IGNORECASE)
 
 
@@ -89,6 +84,8 @@ def completion(view: View, position: Position) -> CompletionList:
             complete = False
             break
         seen.add(item.label)
+        # Editors sort by label otherwise.
+        item.sort_text = f"{len(items):04}"
         items.append(item)
     return CompletionList(is_incomplete=not complete, items=items)
 
@@ -139,14 +136,6 @@ def _files(view: View, suffixes: tuple[str, ...], written: str) -> Iterator[Path
                     yield path
 
 
-def _scope(view: View, offset: int) -> list[str]:
-    """Return the keys of the scopes around an offset, innermost first, and the global one."""
-    if view.file is None:
-        return [""]
-    scope = view.file.around(view.shift.back(offset))
-    return [*(d.key for d in reversed(scope)), ""]
-
-
 # IDL
 
 
@@ -157,35 +146,71 @@ def _idl(view: View, line: str, offset: int) -> Iterator[CompletionItem]:
         for name in IDL_FILES:
             yield CompletionItem(name, kind=CompletionItemKind.File)
         return
-    if _ANNOTATION.search(line):
-        for name, definition in DEFINITIONS.items():
-            arguments = ", ".join(definition.arguments)
-            kind = CompletionItemKind.Property
-            detail = f"@{name}({arguments})" if arguments else f"@{name}"
-            yield CompletionItem(name, kind=kind, detail=detail)
+    wanted = expected(view.text.source, offset)
+    for name in wanted.annotations:
+        arguments = ", ".join(DEFINITIONS[name].arguments)
+        kind = CompletionItemKind.Property
+        detail = f"@{name}({arguments})" if arguments else f"@{name}"
+        yield CompletionItem(name, kind=kind, detail=detail)
+    if wanted.annotations:
         return
+    depths = range(len(wanted.scope), -1, -1)
+    scopes = [f"idl {'::'.join(wanted.scope[:depth])}" for depth in depths if depth] + [
+        ""
+    ]
     if (match := _SCOPED.search(line)) is not None:
         parts = [part for part in match[1].split("::") if part]
-        for key in _resolved(view, parts, offset, match[1].startswith("::")):
-            for d in view.index.inside(key):
-                if d.kind is not Kind.PARAMETER:
-                    yield _item(d)
+        for key in _resolved(view.index, parts, scopes, match[1].startswith("::")):
+            yield from (_item(d) for d in _fitting(view.index, key, wanted))
         return
-    for scope in _scope(view, offset):
-        for d in view.index.inside(scope):
-            if d.key.startswith("idl ") and d.kind in _TYPES:
-                yield _item(d)
-    yield from map(_keyword, sorted(RESERVED | CORBA_3))
+    for scope in scopes:
+        yield from (_item(d) for d in _fitting(view.index, scope, wanted))
+    yield from map(_keyword, wanted.words)
+
+
+def _fitting(index: Index, scope: str, wanted: Expected) -> Iterator[Definition]:
+    """Yield the definitions of a scope that fit, then those through which one gets to such."""
+    inside = [d for d in index.inside(scope) if d.key.startswith("idl ")]
+    yield from (d for d in inside if _is_fitting(index, d, wanted))
+    for d in inside:
+        if d.kind not in _SCOPES or _is_fitting(index, d, wanted):
+            continue
+        if next(_fitting(index, d.key, wanted), None) is not None:
+            yield d
+
+
+def _is_fitting(index: Index, d: Definition, wanted: Expected) -> bool:
+    """Return whether a definition may stand where something is expected."""
+    if d.kind not in wanted.kinds:
+        return False
+    seen: set[str] = set()
+    while wanted.through and d.kind is Kind.TYPEDEF:
+        target = _named(index, d)
+        if target is None or d.key in seen:
+            return False
+        seen.add(d.key)
+        d = target
+    return d.kind in wanted.kinds
+
+
+def _named(index: Index, typedef: Definition) -> Definition | None:
+    """Return the definition that a typedef gives another name."""
+    scope = typedef.key.removeprefix("idl ").split("::")[:-1]
+    for depth in range(len(scope), -1, -1):
+        key = "::".join([*scope[:depth], typedef.detail.removeprefix("::")])
+        if (target := index.definition(f"idl {key}")) is not None:
+            return target
+    return None
 
 
 def _resolved(
-    view: View, parts: list[str], offset: int, absolute: bool
+    index: Index, parts: list[str], scopes: list[str], absolute: bool
 ) -> Iterator[str]:
-    """Yield the keys that a scoped name may refer to at an offset."""
-    for scope in [""] if absolute else _scope(view, offset):
+    """Yield the key that a scoped name refers to, by the keys of scopes from the innermost on."""
+    for scope in [""] if absolute else scopes:
         outer = scope.removeprefix("idl ").split("::") if scope else []
         key = "idl " + "::".join([*outer, *parts])
-        if view.index.definitions(key):
+        if index.definitions(key):
             yield key
             return
 
@@ -193,7 +218,7 @@ def _resolved(
 def _types(index: Index) -> Iterator[CompletionItem]:
     """Yield all IDL types and interfaces by scoped name."""
     for _, d in index.all():
-        if d.key.startswith("idl ") and d.kind in _TYPES - {Kind.MODULE}:
+        if d.key.startswith("idl ") and d.kind in _NAMED:
             yield _item(d, d.key.removeprefix("idl "))
 
 
