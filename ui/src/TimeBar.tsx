@@ -99,10 +99,12 @@ function marksOf(lines: readonly Line[], plan: readonly PlannedEvent[], now: num
 
 /** `brief`: what a phone has room for below another view. */
 export function TimeBar({ system, full, lines, live, brief }: { system: SystemState; full: boolean; lines: readonly Line[]; live: boolean; brief: boolean }) {
-  const { time, plan } = system;
+  const { time, plan, components } = system;
   const [goal, setGoal] = useState("");
   const simulated = time.kind === "CLOCK_SIMULATED";
   const recording = time.kind === "CLOCK_RECORDING";
+  /** Whether other processes run the system, whose next run can be compared with this one. */
+  const elsewhere = time.kind === "CLOCK_REAL" && components.length > 0 && components.every((each) => each.place);
   const kept = system.keeps || system.beside !== "";
   const last = Math.max(time.last, time.first + MIN_STEP);
   const end = Math.max(last, ...plan.map((each) => each.time));
@@ -162,7 +164,6 @@ export function TimeBar({ system, full, lines, live, brief }: { system: SystemSt
       </div>
       <div className="toolbar">
         {simulated && !brief && (
-          <>
             <form
               className="group"
               onSubmit={(e) => {
@@ -175,15 +176,16 @@ export function TimeBar({ system, full, lines, live, brief }: { system: SystemSt
                 Go
               </Button>
             </form>
+        )}
+        {(simulated || elsewhere) && !brief && (
             <Button
               aria-pressed={kept}
-              title={[system.beside, "Show this run beside those that begin when time is set back"].filter(Boolean).join("\n")}
+              title={[system.beside, elsewhere ? "Show this run beside the next one" : "Show this run beside those that begin when time is set back"].filter(Boolean).join("\n")}
               disabled={!full}
               onClick={() => store.order({ case: "kept", value: !kept })}
             >
               {system.beside ? `Beside: ${system.beside}` : "Keep beside"}
             </Button>
-          </>
         )}
         {!recording && (
           <Button className={`live ${live && !time.past ? "on" : ""}`} title={time.past ? "Back to the present" : "The page shows the present"} disabled={!time.past} onClick={() => void store.look(-1)}>

@@ -41,6 +41,14 @@ if TYPE_CHECKING:
     help="The bus file (TOML) that describes the nodes of a CAN bus.",
 )
 @click.option(
+    "--attach",
+    "attached",
+    is_flag=False,
+    flag_value="",
+    metavar="[NAME|PID]",
+    help="Show a running `rtgen run` of this machine, by the name of its system or its process.",
+)
+@click.option(
     "--nameserver",
     "name_servers",
     multiple=True,
@@ -75,6 +83,7 @@ def ui(
     clock: str,
     port: int,
     buses: tuple[str, ...],
+    attached: str | None,
     name_servers: tuple[str, ...],
     check_values: str,
     recording: RecordingOptions,
@@ -89,12 +98,16 @@ def ui(
     the first one and can open the others. Instead of systems, one recording (FILE.mcap) is shown,
     or two are compared. A recording given with systems is compared with the running one. With
     --nameserver, SYSTEM is optional. With --transport dds or zenoh, the page shows the processes
-    that `rtgen run` has started with the same transport. The page is served at 127.0.0.1 only; its
-    address contains a secret token.
+    that `rtgen run` has started with the same transport; with --attach, one run of this machine,
+    whatever its transport. The page is served at 127.0.0.1 only; its address contains a secret
+    token.
     """
+    if attached is not None and attached.endswith(".mcap"):  # --attach without a name
+        systems, attached = (attached, *systems), ""
+    elsewhere = name_servers or engine["partition"] or attached is not None
     if isinstance(systems, str):  # that of `[run]`
-        systems = () if name_servers or engine["partition"] else (systems,)
-    if not systems and not name_servers and not engine["partition"]:
+        systems = () if elsewhere else (systems,)
+    if not systems and not elsewhere:
         raise click.UsageError(
             "Missing argument 'SYSTEM...', or option '--nameserver'. "
             "`[run] system` in rtgen.toml names a system, too."
@@ -111,6 +124,7 @@ def ui(
         check_values=check_values,
         recording=recording,
         playing=playing,
+        attached=attached,
     )
 
     def ready(server: Server) -> None:

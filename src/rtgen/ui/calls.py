@@ -11,6 +11,7 @@ from rtgen.runtime.ports.data_ports import DataConnector, OutPort
 from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.ports import Provider
 from rtgen.runtime.services.servants import Invoker, Servant, ServiceError
+from rtgen.runtime.system.json_calls import values_of
 from rtgen.runtime.system.system import System
 from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
@@ -42,7 +43,7 @@ def carried_out(interface: type[Servant], invoke: Invoker, command: ui.Call) -> 
     arguments: tuple[object, ...] = ()
     if form.request is not None:
         request = decoded(form.request, command.arguments)
-        arguments = _values(request)
+        arguments = values_of(request)
     try:
         result: Any = invoke(command.operation, arguments)
     except UserException as error:
@@ -78,11 +79,6 @@ def _provider(system: System, command: ui.Call) -> Provider[Any]:
             f"{command.port.instance} provides no {':'.join(key)}; known: {names}",
         )
     return providers[key]
-
-
-def _values(request: Any) -> tuple[object, ...]:
-    members = request._descriptor_.members
-    return tuple(getattr(request, member.attribute) for member in members)
 
 
 class Injector:

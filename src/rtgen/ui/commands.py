@@ -69,6 +69,18 @@ _URGENT: Final = frozenset(
         CommandKind.COMMAND_RESET,
     )
 )
+_OF_FILES: Final = frozenset(
+    (
+        CommandKind.COMMAND_ADD,
+        CommandKind.COMMAND_REMOVE,
+        CommandKind.COMMAND_SAVE,
+        CommandKind.COMMAND_REPLACE,
+        CommandKind.COMMAND_OPEN,
+        CommandKind.COMMAND_RENAME,
+        CommandKind.COMMAND_ADJUST,
+    )
+)
+"""Commands that concern the file of the system that this process runs."""
 _NAME: Final = re.compile(r"[^./\\\x00-\x1f\x7f-\x9f\ud800-\udfff\ufffe\uffff]+")
 """The name of a new component, also in names of files and of naming services."""
 _MAX_NAME: Final = 100
@@ -178,6 +190,12 @@ class Commands:
         elsewhere = self._remote_commands.action(command, result)
         if elsewhere is not None:
             return elsewhere
+        if kind in _OF_FILES and self._session.others.is_attached:
+            raise CommandError(
+                IMPOSSIBLE,
+                "not possible in a run that is only watched",
+                "`rtgen ui SYSTEM` edits the file of the system",
+            )
         if kind is CommandKind.COMMAND_WATCH:
             self._session.watch(page, value)
         elif kind is CommandKind.COMMAND_LOOK:
@@ -545,7 +563,8 @@ class Commands:
         self._publish_time()
 
     def _compare_with_this_run(self, kept: bool) -> None:
-        self._require_simulated()
+        if not self._session.others.is_attached:
+            self._require_simulated()
         self._session.keep(kept=kept)
 
     def _require_simulated(self) -> None:

@@ -6,6 +6,7 @@ from collections.abc import Iterable, Mapping
 from inspect import getdoc
 from typing import Any, Final
 
+from rtgen.compiler.model import Connection
 from rtgen.compiler.systems.timeline import (
     Call,
     Connect,
@@ -14,7 +15,6 @@ from rtgen.compiler.systems.timeline import (
     StateRequest,
     Step,
 )
-from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.rtc.component import Component as Rtc
 from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile, PortProfile
@@ -78,7 +78,7 @@ class Description:
                 )
             ],
             ports=self.ports(component),
-            parameters=[_parameter(each) for each in sets.parameters],
+            parameters=[parameter(each) for each in sets.parameters],
             configuration_sets=[
                 ui.ConfigurationSet(name=each, values=_values(sets.texts(each)))
                 for each in sets.ids
@@ -199,6 +199,16 @@ def connection(connector: Connector) -> ui.Connection:
     )
 
 
+def written_connection(connection: Connection) -> ui.Connection:
+    """Describe a connection of a system's file."""
+    return ui.Connection(
+        name=connection.name,
+        source=ui.PortAddress(connection.source.instance, connection.source.port),
+        target=ui.PortAddress(connection.target.instance, connection.target.port),
+        properties=[ui.Value(*pair) for pair in connection.properties],
+    )
+
+
 def properties_of(connector: Connector) -> Mapping[str, str]:
     """Return the properties of a connection; none for a service of another process."""
     properties: Mapping[str, str] = getattr(connector, "properties", {})
@@ -224,19 +234,13 @@ def planned(step: Step) -> ui.PlannedEvent:
     return event
 
 
-def flow(connector: DataConnector[Any], rate: float) -> ui.Flow:
+def flow(name: str, losses: Mapping[str, int], rate: float) -> ui.Flow:
     """Describe what became of the samples of a connection; `rate` in 1/s, negative if unknown."""
-    counts = {
-        "overwritten in a full buffer": connector.overwritten,
-        "refused by a full buffer": connector.refused,
-        "skipped by the push policy": connector.dropped,
-        "lost on the way from another process": connector.missed,
-    }
     return ui.Flow(
-        name=connector.name,
+        name=name,
         rate=rate,
-        lost=sum(counts.values()),
-        details=", ".join(f"{n} {what}" for what, n in counts.items() if n),
+        lost=sum(losses.values()),
+        details=", ".join(f"{n} {what}" for what, n in losses.items()),
     )
 
 
@@ -295,7 +299,8 @@ def _address(instance: str, port: object) -> ui.PortAddress:
     return ui.PortAddress(instance=instance, port=name)
 
 
-def _parameter(profile: ParameterProfile) -> ui.Parameter:
+def parameter(profile: ParameterProfile) -> ui.Parameter:
+    """Describe a configuration parameter."""
     constraint = profile.constraint
     if not constraint and (profile.minimum, profile.maximum) != (None, None):
         least = "" if profile.minimum is None else f"{profile.minimum}<="

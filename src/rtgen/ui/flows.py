@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Sequence
 from typing import Any, Final
 
 from rtgen.runtime.ports.data_ports import DataConnector
@@ -20,6 +20,8 @@ class Flows:
 
     def __init__(self) -> None:
         self.latest: list[ui.Flow] = []
+        self.others: Sequence[ui.Flow] = ()
+        """Those of other processes."""
         self._written: Counter[int] = Counter()
         self._before: Counter[int] = Counter()
         self._since = 0.0
@@ -44,10 +46,10 @@ class Flows:
             }
             self._before, self._since = written, now
         counted = self._since > 0.0
-        flows = []
+        flows = [*self.others]
         for each in connectors:
             if isinstance(each, DataConnector):
                 rate = self._rates.get(channel_of(each) or 0, 0.0) if counted else -1.0
-                flows.append(description.flow(each, rate))
+                flows.append(description.flow(each.name, each.losses, rate))
         before, self.latest = self.latest, flows
         return flows != before

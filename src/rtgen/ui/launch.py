@@ -25,6 +25,7 @@ from rtgen.ui.project_systems import CommandProject
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import NamedCorba
+    from rtgen.ui.peers_watcher import Link
     from rtgen.ui.recorded import Recorded
     from rtgen.ui.remote_state import RemoteState
     from rtgen.ui.serving import Server
@@ -47,6 +48,8 @@ class UiOptions:
     check_values: str
     recording: RecordingOptions
     playing: bool
+    attached: str | None = None
+    """The name or the process of the run to attach to, empty for the only one; None: to none."""
 
     @property
     def recordings(self) -> list[str]:
@@ -54,9 +57,9 @@ class UiOptions:
         return [each for each in self.systems if Path(each).suffix.lower() == ".mcap"]
 
     @property
-    def attaches(self) -> bool:
-        """Whether the system is run by other processes, which are watched."""
-        return self.engine.transport in TAKES
+    def own_systems(self) -> list[str]:
+        """Those that are no recordings."""
+        return [each for each in self.systems if each not in self.recordings]
 
 
 def served(
@@ -79,12 +82,18 @@ def served(
         BusDescriber(path)  # raises InputError before anything runs
     closing = ExitStack()
     tokens = tokens_of(options.port) if options.port else None
-    if len(options.recordings) == len(options.systems) and options.systems:
+    is_attached = options.attached is not None
+    only_recordings = len(options.recordings) == len(options.systems) > 0
+    if only_recordings and not is_attached:
         session: Session | Recorded = _recorded(options, console, buses)
         server = Server(session, _LOOPBACK, options.port, tokens=tokens)
     else:
-        begin = _attached if options.attaches else _running
-        session = begin(options, console, buses, closing)
+        if is_attached:
+            session = _attached(options, console, buses)
+        elif options.engine.transport in TAKES:
+            session = _joined(options, console, buses)
+        else:
+            session = _running(options, console, buses, closing)
         server = Server(session, _LOOPBACK, options.port, tokens=tokens)
         if options.playing:
             session.runner.submit(session.runner.play)
@@ -140,7 +149,7 @@ def _running(
     from rtgen.ui.session import Session
 
     _check_number(options, 1)
-    systems = [each for each in options.systems if each not in options.recordings]
+    systems = options.own_systems
     simulated = options.simulated and bool(systems)
     transport = None
     if options.engine.transport == "corba":
@@ -167,19 +176,15 @@ def _running(
         raise ToolError(str(error)) from error
 
 
-def _attached(
-    options: UiOptions, console: Console, buses: Mapping[str, Path], closing: ExitStack
-) -> Session:
-    """Return a session that watches the processes of a system.
+def _joined(options: UiOptions, console: Console, buses: Mapping[str, Path]) -> Session:
+    """Return a session that watches the processes of a system over DDS or Zenoh.
 
     Raises InputError, Refusal, ToolError.
     """
-    from rtgen.ui.peers_watcher import PeersWatcher
-    from rtgen.ui.protocol import ui
-    from rtgen.ui.session import Session
+    from rtgen.ui.attaching import EngineLink
+    from rtgen.ui.description import written_connection
 
-    _check_number(options, 1)
-    systems = [each for each in options.systems if each not in options.recordings]
+    systems = options.own_systems
     if options.name_servers or options.recording.file is not None or len(systems) > 1:
         raise Refusal(
             f"--transport {options.engine.transport} shows the run of one system: "
@@ -189,24 +194,84 @@ def _attached(
     # Without a system, that of the partition is shown without its connections.
     profile = project.read(next(iter(systems), "")).profile
     name = options.engine.partition or profile.name
-    connections = [
-        ui.Connection(
-            each.name,
-            ui.PortAddress(each.source.instance, each.source.port),
-            ui.PortAddress(each.target.instance, each.target.port),
-            [ui.Value(*pair) for pair in each.properties],
+    connections = {each.name: written_connection(each) for each in profile.connections}
+    link = EngineLink(options.engine.open(name), connections)
+    return _watching(options, project, link, f"{options.engine.transport} {name}")
+
+
+def _attached(
+    options: UiOptions, console: Console, buses: Mapping[str, Path]
+) -> Session:
+    """Return a session that watches a run of this machine.
+
+    Raises InputError, Refusal, ToolError.
+    """
+    from rtgen.ui.attaching import RunLink
+
+    if (
+        options.name_servers
+        or options.recording.file is not None
+        or options.own_systems
+        or options.engine.transport != "direct"
+    ):
+        raise Refusal(
+            "--attach shows a run of this machine: without SYSTEM, --transport, "
+            "--nameserver and --record, which `rtgen run` has"
         )
-        for each in profile.connections
+    path = _chosen_run(options.attached or "", console)
+    try:
+        link = RunLink(path)
+    except OSError as error:
+        raise ToolError(str(error)) from error
+    hello = link.hello
+    files = [hello.file] if Path(hello.file).is_file() else []
+    project = CommandProject(console, files, dict(buses))
+    return _watching(options, project, link, f"process {hello.pid}")
+
+
+def _chosen_run(wanted: str, console: Console) -> Path:
+    """Return the socket of the run that the user means. Raises ToolError, Refusal."""
+    from rtgen.runtime.distribution import local_runs
+    from rtgen.ui.attaching import chosen
+
+    if not local_runs.is_supported():
+        raise ToolError("--attach needs Unix sockets, which this system has not")
+    try:
+        runs = local_runs.runs()
+    except OSError as error:
+        raise ToolError(str(error)) from error
+    fitting = chosen(runs, wanted)
+    listed = [
+        f"{hello.pid}: {hello.name}, {hello.command}" for _, hello in fitting or runs
     ]
-    transport = options.engine.open(name)
-    place = f"{options.engine.transport} {name}"
+    if not fitting:
+        known = "".join(f"\n  {each}" for each in listed)
+        raise ToolError(
+            f"no run {wanted!r}; these run:{known}" if runs else "nothing runs",
+            hint="`rtgen run SYSTEM` starts a run, of the same user on this machine",
+        )
+    if len(fitting) == 1:
+        return fitting[0][0]
+    number = console.choice("several runs:", listed)
+    if number is None:
+        known = "".join(f"\n  {each}" for each in listed)
+        raise Refusal(f"several runs; --attach PID chooses one:{known}")
+    return fitting[number][0]
+
+
+def _watching(
+    options: UiOptions, project: CommandProject, link: Link, place: str
+) -> Session:
+    """Return a session that shows what other processes run."""
+    from rtgen.ui.peers_watcher import PeersWatcher
+    from rtgen.ui.session import Session
+
+    _check_number(options, 1)
 
     def attach(
         publish: Callable[[RemoteState], bool], report: Callable[[str, str], None]
     ) -> PeersWatcher:
-        return PeersWatcher(
-            transport, place, connections, project.data_type, publish, report
-        )
+        return PeersWatcher(link, place, project.data_type, publish, report)
 
     beside = next(iter(options.recordings), "")
     return Session(project, "", runtime.RealClock, recording=beside, attach=attach)

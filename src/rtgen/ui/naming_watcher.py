@@ -132,6 +132,10 @@ class NamingWatcher:
         self.submit = self._thread.submit
         self._thread.start()
 
+    @property
+    def time(self) -> None:
+        """None: each component has a time of its own."""
+
     def close(self) -> None:
         """Stop polling; waits for a call in progress.
 

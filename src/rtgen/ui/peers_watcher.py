@@ -1,22 +1,34 @@
-"""Follows and controls the components of a system's other processes, over DDS or Zenoh."""
+"""Follows and controls the components of a system that other processes run."""
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from contextlib import suppress
+from dataclasses import replace as replace_fields
 from functools import partial
-from typing import TYPE_CHECKING, Any, Final, NoReturn
+from typing import TYPE_CHECKING, Any, Final, Protocol
 
 from msgspec.structs import replace
 
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.distribution.control import ControlError
+from rtgen.runtime.distribution.control import Asker, ControlError
 from rtgen.runtime.distribution.descriptions import Description, Interface
 from rtgen.runtime.distribution.medium import MediumError, Subscription
-from rtgen.runtime.distribution.transport import DistributedTransport
 from rtgen.runtime.marshalling.comparison import definition, text_difference
+from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.transports import RemotePort
+from rtgen.runtime.system.json_calls import (
+    RESULT,
+    CallError,
+    Outcome,
+    members_of,
+    request_of,
+    values_of,
+)
+from rtgen.runtime.system.json_printers import plain
 from rtgen.tools.recording.recorder import cdr_encoder
+from rtgen.ui.calls import carried_out
+from rtgen.ui.description import parameter
 from rtgen.ui.edits import Edit
 from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
@@ -44,34 +56,62 @@ _REQUESTS: Final = {
 }
 
 
+class Link(Protocol):
+    """The way to the processes that run a system; methods raise MediumError."""
+
+    @property
+    def instances(self) -> Sequence[str]:
+        """The components that are present."""
+
+    @property
+    def time(self) -> float | None:
+        """The time of the run [s]; None if the processes have no common one."""
+
+    def look(self) -> RemoteState:
+        """Return the connections, with their flows, and the run, if these are known."""
+
+    def asker(self, instance: str) -> Asker:
+        """Return the control service of a component."""
+
+    def listen(
+        self, there: RemotePort, type_: type[Any], take: Callable[[Any], None]
+    ) -> Subscription:
+        """Take the values of an OutPort."""
+
+    def give(self, there: RemotePort, type_: type[Any], value: Any) -> None:
+        """Give a sample to an InPort."""
+
+    def close(self) -> None:
+        """Leave the processes as they are."""
+
+
 class PeersWatcher:
     """Queries the components of a system, and carries out commands for them.
 
-    `place` says where they are. `connections` are those of the system's file; they are shown while
-    both ends are present.
+    `place` says where they are. `publish` is called with each new state, and again if it returned
+    False. `report` is called with a component's name and an error.
     """
 
     def __init__(
         self,
-        transport: DistributedTransport,
+        link: Link,
         place: str,
-        connections: Sequence[ui.Connection],
         data_type: Callable[[str], type[DataType] | None],
         publish: Callable[[RemoteState], bool],
         report: Callable[[str, str], None],
         period: float = _PERIOD,
     ) -> None:
-        self._transport = transport
-        self._peers = transport.peers
-        self._peers.listeners.clear()
+        self._link = link
         self._place = place
-        self._wires = connections
         self._data_type = data_type
         self._publish = publish
         self._report = report
         self._components: dict[str, ui.Component] = {}
+        self._statistics: dict[str, ui.Statistics] = {}
         self._descriptions: dict[str, Description] = {}
-        self._published = RemoteState()
+        self._state = RemoteState()
+        """What the link has said last."""
+        self._published = self._state
         self._takers: Mapping[Key, Take] = {}
         self._listened: Mapping[Key, Take] = self._takers
         self._taps: dict[Key, Subscription] = {}
@@ -79,12 +119,17 @@ class PeersWatcher:
         self.submit = self._thread.submit
         self._thread.start()
 
+    @property
+    def time(self) -> float | None:
+        """See `Watcher`."""
+        return self._link.time
+
     def close(self) -> None:
         """Stop watching; waits for a call in progress. States stay as they are."""
         self._thread.close()
         for tap in self._taps.values():
             tap.close()
-        self._transport.close()
+        self._link.close()
 
     def watch(self, takers: Mapping[Key, Take]) -> None:
         """Receive the samples of only these OutPorts from now on; from any thread."""
@@ -94,7 +139,14 @@ class PeersWatcher:
     # Queries.
 
     def _poll(self) -> None:
-        present = self._peers.instances
+        before, self._state = self._state, self._link.look()
+        if self._state.run.number != before.run.number:
+            # Another run, of which nothing is known.
+            self._components.clear()
+            self._statistics.clear()
+            self._descriptions.clear()
+            self._taps.clear()
+        present = self._link.instances
         for instance in [*self._components]:
             if instance not in present:
                 self._lose(instance)
@@ -106,30 +158,40 @@ class PeersWatcher:
         self._settle()
 
     def _lose(self, instance: str) -> None:
-        silent = "its process has ended, or cannot be reached"
+        ended = "the run has ended" if self._state.run.ended else ""
+        silent = ended or "its process has ended, or cannot be reached"
         self._components[instance] = replace(self._components[instance], silent=silent)
         self._descriptions.pop(instance, None)
 
     def _query(self, instance: str) -> None:
         try:
-            asker = self._peers.asker(instance)
-            described = self._descriptions.get(instance) or asker.describe()
-            self._descriptions[instance] = described
+            asker = self._link.asker(instance)
+            known = self._descriptions.get(instance) or asker.describe()
+            self._descriptions[instance] = known
             state, sets = asker.state(), asker.parameters()
         except (ControlError, MediumError) as error:
             before = self._components.get(instance)
             if before is not None:
                 self._components[instance] = replace(before, silent=str(error))
             return
+        self._statistics[instance] = ui.Statistics(
+            instance=instance, ticks=state.ticks, overruns=state.overruns
+        )
+        rate = known.rate
         self._components[instance] = ui.Component(
             instance=instance,
-            type=described.type,
+            type=known.type,
+            doc=known.doc,
             current=_STATES.get(state.state, ui.State.STATE_CREATED),
             reason=state.reason,
-            ports=[*_ports(described)],
-            parameters=[
-                ui.Parameter(name=name) for name in sets.sets.get(sets.active, {})
-            ],
+            contexts=(
+                []
+                if rate is None
+                else [ui.ExecutionContext(rate=rate, kind=known.kind, running=True)]
+            ),
+            ports=[*_ports(known)],
+            parameters=[*map(parameter, known.parameters)]
+            or [ui.Parameter(name=name) for name in sets.sets.get(sets.active, {})],
             configuration_sets=[
                 ui.ConfigurationSet(name, [ui.Value(*pair) for pair in values.items()])
                 for name, values in sets.sets.items()
@@ -141,12 +203,16 @@ class PeersWatcher:
     def _settle(self) -> None:
         """Publish the state if it has changed, and receive what pages watch."""
         here = self._components
-        joined = {
-            each.name: each
-            for each in self._wires
-            if each.source.instance in here and each.target.instance in here
-        }
-        now = RemoteState((), dict(here), joined)
+        now = replace_fields(
+            self._state,
+            components=dict(here),
+            statistics=dict(self._statistics),
+            connections={
+                name: each
+                for name, each in self._state.connections.items()
+                if each.source.instance in here and each.target.instance in here
+            },
+        )
         if now != self._published and self._publish(now):
             self._published = now
         if self._takers is self._listened and self._taps.keys() == self._takers.keys():
@@ -178,7 +244,7 @@ class PeersWatcher:
 
         there = RemotePort(key.instance, key.port)
         try:
-            self._taps[key] = self._transport.listen(there, type_, on_value)
+            self._taps[key] = self._link.listen(there, type_, on_value)
         except MediumError as error:
             self._refuse(key, str(error))
 
@@ -205,24 +271,39 @@ class PeersWatcher:
         raise CommandError(IMPOSSIBLE, message, "their system's file has the wiring")
 
     def call(self, command: ui.Call, interface: type[Servant], type_name: str) -> bytes:
-        """Raise CommandError: services are called by `rtgen ctl call`."""
-        self._impossible("`rtgen ctl call` calls them")
+        """Call an operation of a service; by `submit` only. Raises CommandError."""
+        there, calls = command.port, calls_of(interface)
+        port = f"{there.port}.{command.interface_name}"
+
+        def invoke(operation: str, arguments: tuple[object, ...]) -> object:
+            names = members_of(calls[operation].request)
+            values = [*zip(names, map(plain, arguments), strict=True)]
+            try:
+                asker = self._link.asker(there.instance)
+                outcome = asker.call(port, operation, values)
+            except (ControlError, MediumError) as error:
+                raise CommandError(CALL_FAILED, str(error)) from error
+            if outcome.refused or outcome.exception:
+                texts = (outcome.exception, outcome.message, outcome.refused)
+                raise CommandError(CALL_FAILED, ": ".join(filter(None, texts)))
+            return _results(operation, calls[operation].reply, outcome)
+
+        return carried_out(interface, invoke, command)
 
     def give(self, address: ui.PortAddress, value: DataType) -> None:
-        """Raise CommandError: a port takes the samples of its connections alone."""
-        self._impossible("a component that is connected to it sends samples")
-
-    def _impossible(self, hint: str) -> NoReturn:
-        raise CommandError(
-            IMPOSSIBLE, "not possible for components that are only watched", hint
-        )
+        """Send a sample to an InPort; by `submit` only. Raises CommandError."""
+        there = RemotePort(address.instance, address.port)
+        try:
+            self._link.give(there, type(value), value)
+        except (MediumError, CdrError) as error:
+            raise CommandError(CALL_FAILED, str(error)) from error
 
     def _ask(self, instance: str, method: str, *arguments: str) -> None:
         """Make a request of a component. Raises CommandError."""
         if instance not in self._components:
             raise CommandError(UNKNOWN, f"no process has {instance}")
         try:
-            result = getattr(self._peers.asker(instance), method)(*arguments)
+            result = getattr(self._link.asker(instance), method)(*arguments)
         except (ControlError, MediumError) as error:
             raise CommandError(CALL_FAILED, str(error)) from error
         if result not in (None, "RTC_OK"):
@@ -262,13 +343,34 @@ class PeersWatcher:
         return Edit(label, partial(put, command.set), partial(put, before), remote=True)
 
 
+def _results(operation: str, type_: Any, outcome: Outcome) -> object:
+    """Return the results of a call as its operation returns them. Raises CommandError."""
+    names = members_of(type_)
+    values = {RESULT: outcome.result, **outcome.out}
+    try:
+        reply = request_of(operation, type_, [(each, values[each]) for each in names])
+    except (CallError, KeyError) as error:
+        raise CommandError(CALL_FAILED, f"the reply is wrong: {error}") from error
+    if reply is None:
+        return None
+    results = values_of(reply)
+    return results[0] if len(results) == 1 else results
+
+
 def _ports(described: Description) -> Iterable[ui.Port]:
     for kind, ports in (
         (PortKind.PORT_IN, described.in_ports),
         (PortKind.PORT_OUT, described.out_ports),
     ):
         for name, port in ports.items():
-            yield ui.Port(name=name, kind=kind, type=port.type, type_number=-1)
+            yield ui.Port(
+                name=name,
+                kind=kind,
+                type=port.type,
+                type_number=-1,
+                unit=port.unit,
+                doc=port.doc,
+            )
     interfaces: dict[str, list[ui.ServiceInterface]] = {}
     for provided, found in (
         (True, described.providers),

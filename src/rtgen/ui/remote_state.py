@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
+from dataclasses import replace as dataclass_replace
 
 from msgspec.structs import replace
 
@@ -20,12 +21,28 @@ _KINDS = {
 
 
 @dataclass(frozen=True)
+class RemoteRun:
+    """A run that is shown instead of one of this process.
+
+    Each further run of the system has a higher number. `ended` says why it is over, and how to go
+    on; empty while it is not.
+    """
+
+    number: int = 0
+    name: str = ""
+    ended: str = ""
+
+
+@dataclass(frozen=True)
 class RemoteState:
     """Naming services with the components and connections of other processes, by name."""
 
     services: tuple[ui.NamingService, ...] = ()
     components: Mapping[str, ui.Component] = field(default_factory=dict)
     connections: Mapping[str, ui.Connection] = field(default_factory=dict)
+    statistics: Mapping[str, ui.Statistics] = field(default_factory=dict)
+    flows: Sequence[ui.Flow] = ()
+    run: RemoteRun = RemoteRun()
 
     def known(self, known: Callable[[ui.Port], ui.Port]) -> RemoteState:
         """Return a copy whose ports are completed by a function."""
@@ -33,7 +50,7 @@ class RemoteState:
             name: replace(each, ports=[*map(known, each.ports)])
             for name, each in self.components.items()
         }
-        return RemoteState(self.services, components, self.connections)
+        return dataclass_replace(self, components=components)
 
     def changes(self, before: RemoteState, now: float) -> Iterator[ui.Event]:
         """Return the changes as events in the order to apply them; `now` is the time [s]."""
@@ -122,6 +139,7 @@ def _change(before: ui.Component, after: ui.Component, now: float) -> ui.StateCh
         handle=after.contexts[0].handle if after.contexts else 0,
         before=before.current,
         after=after.current,
+        reason=after.reason if after.current is ui.State.STATE_ERROR else "",
     )
 
 

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import itertools
-import threading
 import uuid
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
@@ -16,51 +15,39 @@ from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.compiler.model import System, SystemComponent
 from rtgen.compiler.systems import conditions
-from rtgen.facts.openrtm_ports import KIND, foreign_instances
-from rtgen.runtime.cdr import CdrError
+from rtgen.facts.openrtm_ports import foreign_instances
 from rtgen.runtime.failures import Failure, described
-from rtgen.runtime.opaque_rpc.codecs import Codec
-from rtgen.runtime.ports.data_ports import DataConnector, OutPort
+from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector, instances_of
-from rtgen.runtime.system.json_printers import json_printer
-from rtgen.runtime.system.records import Record, StateRecord
 from rtgen.runtime.timing.clocks import SECOND
-from rtgen.runtime.timing.traffic import (
-    BoardCall,
-    BusFrame,
-    ConnectionChange,
-    ParameterChange,
-)
-from rtgen.runtime.timing.traffic import Event as Happening
-from rtgen.tools.kit.member_units import MemberUnits
-from rtgen.tools.recording.recorder import cdr_encoder
-from rtgen.ui import boards, compared_run, connection_properties, description
+from rtgen.ui import compared_run, description
 from rtgen.ui.buses import Buses
 from rtgen.ui.changes import Changes
 from rtgen.ui.compared_run import ComparedRun
 from rtgen.ui.description import (
-    STATES,
     Description,
-    member_units,
     palette_entry,
-    planned,
 )
 from rtgen.ui.documents.document import Document, DocumentError
 from rtgen.ui.edits import Edits
 from rtgen.ui.errors import FILE, UNKNOWN, CommandError
 from rtgen.ui.flows import Flows
 from rtgen.ui.history import History
+from rtgen.ui.other_processes import OtherProcesses
 from rtgen.ui.outbox import Outbox
+from rtgen.ui.pages import Pages
 from rtgen.ui.project import Known, Project, RunWatcher
 from rtgen.ui.protocol import ui
 from rtgen.ui.remote_state import RemoteState
 from rtgen.ui.runner import Runner
+from rtgen.ui.system_events import SystemEvents
+from rtgen.ui.system_state import whole
 from rtgen.ui.texts import explained, placed
-from rtgen.ui.type_table import NO_TYPE, TypeTable
+from rtgen.ui.type_table import TypeTable
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
-    from rtgen.ui.watching import Attach, Key, Watcher
+    from rtgen.ui.watching import Attach, Watcher
 
 Place = tuple[float, float]
 _MAX_NOTICE_LENGTH: Final = 2000
@@ -114,14 +101,11 @@ class Session:
         self.foreign: Mapping[str, SystemComponent]
         """The components of other processes in the file, by their paths."""
         self._clock = clock
-        self._sent_types = 0
-        self._lock = threading.Lock()
-        self._pages: tuple[Outbox, ...] = ()
-        self._channels: dict[tuple[str, str], ui.Channel] = {}
-        self._watched: frozenset[int] = frozenset()
+        self.pages = Pages()
+        self.channels: dict[tuple[str, str], ui.Channel] = {}
+        """The channels of OutPorts, by instance and port."""
         self._numbers = itertools.count(1)
         self._counts: dict[str, ui.Statistics] = {}
-        self._codecs: dict[str, Codec | None] = {}
         self._recorded: ComparedRun | None = None
         if recording:
             describer = project.describer
@@ -142,32 +126,36 @@ class Session:
         self.flows: Flows
         self._next_flows = 0.0
         self.own = own
-        self._across: set[str] = set()
-        """Names of the connections to other processes, which `remote` contains."""
-        self.remote = RemoteState()
-        """The components of other processes."""
-        self.watcher: Watcher | None = None
+        self.others = OtherProcesses(self)
         self._watch()
         if name_servers:
             from rtgen.ui.naming_watcher import NamingWatcher
 
-            self.watcher = NamingWatcher(
-                name_servers, self._update_remote, self._report_remote, own
-            )
+            self.others.follow(partial(NamingWatcher, name_servers, own=own))
         elif attach is not None:
-            self.watcher = attach(self._update_remote, self._report_remote)
+            self.others.follow(attach)
 
     # Systems.
 
     def renew_palette(self) -> None:
         """Take over the component types that the project has now."""
-        self._palette = [palette_entry(each) for each in self.project.palette()]
-        self.known_types = frozenset(each.type for each in self._palette)
+        self.palette = [palette_entry(each) for each in self.project.palette()]
+        self.known_types = frozenset(each.type for each in self.palette)
 
     @property
     def system(self) -> runtime.System:
         """The running system."""
         return self.runner.system
+
+    @property
+    def remote(self) -> RemoteState:
+        """The components of other processes."""
+        return self.others.state
+
+    @property
+    def watcher(self) -> Watcher | None:
+        """Who follows them."""
+        return self.others.watcher
 
     def made(self, file: str) -> runtime.System:
         """Create the system of a file, INACTIVE. Raises InputError or ToolError."""
@@ -206,13 +194,12 @@ class Session:
         """Continue with another system; all pages get its whole state."""
         self._end_recording()
         self.ended = ""
-        self._channels.clear()
+        self.channels.clear()
         self._counts.clear()
-        self._codecs.clear()
         self.runner.replace(system)
         self._watch()
         whole = ui.Event.of_whole(self.whole())
-        for page in self._pages:
+        for page in self.pages:
             page.show([whole], None)
 
     def open(self, file: str) -> None:
@@ -236,7 +223,7 @@ class Session:
         system = self.assembled(written)
         self.changes = Changes(self.edits, written, system)
         if self.keeps and self.beside is None:
-            channels = [*self._channels.values()]
+            channels = [*self.channels.values()]
             self.beside = compared_run.kept(
                 _BEFORE, self.history, channels, self._numbers
             )
@@ -247,7 +234,7 @@ class Session:
         self.keeps = kept
         if not kept or self.beside is self._recorded:
             self.beside = None
-        for page in self._pages:
+        for page in self.pages:
             self.look(page, -1.0 if page.past is None else page.past)
 
     def _watch(self) -> None:
@@ -260,10 +247,10 @@ class Session:
         self.buses = Buses(system, self.project.describer, self.publish)
         for instance in system.instances:
             self.channels_of(instance)
-        self._open_remote()
+        self.others.open()
+        self.history.first = self.history.last = self.others.time or 0.0
         self.history.begin(self.whole())
-        system.clock.traffic.watch(partial(self._on_traffic, system))
-        system.add_listener(_Listener(self, system))
+        self._events = SystemEvents(self, system)
 
     # Pages.
 
@@ -272,48 +259,25 @@ class Session:
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=page.full)
         page.put(ui.Event.of_greeting(hello))
         self.look(page, -1.0)
-        with self._lock:
-            self._pages = (*self._pages, page)
+        self.pages.add(page)
 
     def leave(self, page: Outbox) -> None:
         """Forget a page; from any thread."""
-        with self._lock:
-            self._pages = tuple(each for each in self._pages if each is not page)
+        self.pages.remove(page)
         self.watch_changed()
 
     def watch_changed(self) -> None:
         """Update the watched channels of all pages; from any thread."""
-        self._watched = frozenset().union(*(page.watched for page in self._pages))
-        if self.watcher is not None:
-            watched = (
-                e for e in self._channels.copy().values() if e.id in self._watched
-            )
-            self.watcher.watch(
-                {
-                    key: partial(self._take, each.id)
-                    for each in watched
-                    if (key := self._key(each.port)) is not None
-                }
-            )
-
-    def _key(self, address: ui.PortAddress) -> Key | None:
-        """Return the key of the connection that receives samples from a port of another process."""
-        if address.instance not in self.remote.components:
-            return None
-        from rtgen.ui.watching import Key, Use
-
-        return Key(Use.LISTEN, address.instance, address.port)
-
-    def _take(self, channel: int, data: bytes) -> None:
-        """Accept a sample of a component of another process."""
-        self.sample(ui.Sample(channel, self.now, data))
+        watched = self.pages.watched_now()
+        channels = self.channels.copy().values()
+        self.others.watch(e for e in channels if e.id in watched)
 
     def watch(self, page: Outbox, channels: Sequence[int]) -> None:
         """Set the channels that a page watches, and send it the past samples of new ones.
 
         Numbers of channels that do not exist are ignored.
         """
-        open_channels = (*self._channels.values(), *self._channels_beside)
+        open_channels = (*self.channels.values(), *self.channels_beside)
         watched = frozenset(channels).intersection(each.id for each in open_channels)
         added = watched - page.watched
         page.watched = watched
@@ -334,9 +298,9 @@ class Session:
             events.append(ui.Event.of_flows(self.flows.latest))
         else:
             whole = events[0].whole
-            beside = self._channels_beside
+            beside = self.channels_beside
             own = [each for each in whole.channels if not each.beside]
-            whole.beside, whole.keeps = self._name_beside, self.keeps
+            whole.beside, whole.keeps = self.name_beside, self.keeps
             whole.channels = [*own, *beside]
         page.show(events, None if time < 0 else now)
 
@@ -344,61 +308,31 @@ class Session:
         """Put events into the outbox of each page, after new types."""
         for event in events:
             self.history.add(self.now, event)
-        nodes = self.types.nodes
-        if len(nodes) > self._sent_types:
-            first, self._sent_types = self._sent_types, len(nodes)
-            added = ui.AddedTypes(first=first, nodes=nodes[first:])
-            self._to_all(ui.Event.of_types(added))
-        self._to_all(*events)
-
-    def _to_all(self, *events: ui.Event) -> None:
-        for page in self._pages:
-            page.put(*events)
+        self.pages.put(self.types.nodes, events)
 
     def whole(self) -> ui.SystemState:
         """Return the whole state."""
-        system = self.system
-        remote = self.remote
-        shown = (*system.instances, *remote.components)
-        components = [self.component(each) for each in shown]
-        self._sent_types = len(self.types.nodes)
-        return ui.SystemState(
-            name=self.profile.name,
-            types=[*self.types.nodes],
-            components=components,
-            connections=[
-                *(description.connection(c) for c in self.connectors),
-                *remote.connections.values(),
-            ],
-            palette=self._palette,
-            channels=[*self._channels.values(), *self._channels_beside],
-            time=self.time(),
-            edits=self.edit_state(),
-            buses=self.buses.states,
-            systems=[*self.project.systems],
-            beside=self._name_beside,
-            keeps=self.keeps,
-            naming=[*remote.services],
-            foreign=[*self.foreign],
-            plan=[*map(planned, self.project.timeline(self.profile).steps)],
-            doc=self.profile.abstract,
-            properties=connection_properties.parameters(),
-        )
+        state = whole(self)
+        self.pages.sent_types = len(state.types)
+        return state
 
     @property
-    def _name_beside(self) -> str:
+    def name_beside(self) -> str:
+        """The name of the compared run; empty without one."""
         return "" if self.beside is None else self.beside.name
 
     @property
-    def _channels_beside(self) -> list[ui.Channel]:
+    def channels_beside(self) -> list[ui.Channel]:
+        """The channels of the compared run."""
         return [] if self.beside is None else [*self.beside.channels.values()]
 
     @property
     def connectors(self) -> list[Connector]:
         """The connections within the system; those to other processes are in `remote`."""
-        return [each for each in self.system.connectors if self._is_within(each)]
+        return [each for each in self.system.connectors if self.is_within(each)]
 
-    def _is_within(self, connector: Connector) -> bool:
+    def is_within(self, connector: Connector) -> bool:
+        """Return whether both ends of a connection are in this process."""
         return {*self.system.instances}.issuperset(instances_of(connector))
 
     def component(self, instance: str) -> ui.Component:
@@ -413,75 +347,17 @@ class Session:
         where = ui.Location(*(place or (0.0, 0.0)))
         return replace(remote, placed=place is not None, where=where)
 
-    def _update_remote(self, state: RemoteState) -> bool:
-        """Publish the changes in other processes; from any thread."""
-
-        def update() -> None:
-            before, self.remote = self.remote, state.known(self._completed)
-            for instance in before.components.keys() - self.remote.components.keys():
-                self.forget(instance)
-            for instance in self.remote.components.keys() - before.components.keys():
-                component = self.foreign.get(f"{instance}.{KIND}")
-                if component is not None and component.location is not None:
-                    x, y = component.location[:2]
-                    self.places.setdefault(instance, (float(x), float(y)))
-            opened = self._open_remote()
-            changes = self.remote.changes(before, self.now)
-            self.publish(*map(self._placed, changes), *map(ui.Event.of_opened, opened))
-            self.watch_changed()
-
-        return self.runner.submit(update)
-
-    def _report_remote(self, instance: str, text: str) -> None:
-        self.runner.submit(lambda: self.notice("error", instance, text))
-
-    def _completed(self, port: ui.Port) -> ui.Port:
-        """Return a port of another process, completed with the project's types."""
-        number, units = NO_TYPE, port.units
-        if port.type and (type_ := self.project.data_type(port.type)) is not None:
-            number = self.describe.type_number(type_)
-            units = member_units(MemberUnits(type_, port.unit))
-        interfaces = [
-            (
-                replace(each, operations=self.describe.operations(interface))
-                if each.provided and (interface := self.project.interface(each.type))
-                else each
-            )
-            for each in port.interfaces
-        ]
-        return replace(port, type_number=number, units=units, interfaces=interfaces)
-
-    def _open_remote(self) -> list[ui.Channel]:
-        """Return the channels of new OutPorts of other processes."""
-        channels = []
-        for instance, component in self.remote.components.items():
-            for port in component.ports:
-                key = instance, port.name
-                is_open = port.kind is ui.PortKind.PORT_OUT and port.type_number >= 0
-                if is_open and key not in self._channels:
-                    address = ui.PortAddress(instance=instance, port=port.name)
-                    channel = ui.Channel(next(self._numbers), address, port.type_number)
-                    self._channels[key] = channel
-                    channels.append(channel)
-        return channels
-
-    def _placed(self, event: ui.Event) -> ui.Event:
-        """Add the place of its box to an event about a component of another process."""
-        if event.discriminator is not ui.EventKind.EVENT_COMPONENT:
-            return event
-        return ui.Event.of_described(self.component(event.described.instance))
-
     def time(self) -> ui.ClockState:
         """Return the state of the clock."""
         runner = self.runner
         kinds = ui.ClockKind.CLOCK_REAL, ui.ClockKind.CLOCK_SIMULATED
         return ui.ClockState(
             kind=kinds[runner.is_simulated],
-            playing=runner.playing,
+            playing=runner.playing and not self.remote.run.ended,
             speed=runner.speed,
             now=self.now,
-            ended=runner.over,
-            reason=self.ended,
+            ended=runner.over or bool(self.remote.run.ended),
+            reason=self.ended or self.remote.run.ended,
             first=self.history.first,
             last=self.now,
         )
@@ -489,7 +365,8 @@ class Session:
     @property
     def now(self) -> float:
         """Seconds since the start of the run."""
-        return self.system.time / SECOND
+        elsewhere = self.others.time
+        return self.system.time / SECOND if elsewhere is None else elsewhere
 
     def edit_state(self) -> ui.EditState:
         """Return which edits can be undone, and whether the file contains all edits."""
@@ -506,25 +383,27 @@ class Session:
 
     # Events of the system.
 
+    def channel(self, instance: str, port: str, type_number: int) -> ui.Channel:
+        """Return the channel of an OutPort, opening a new one."""
+        key = instance, port
+        if key not in self.channels:
+            address = ui.PortAddress(instance=instance, port=port)
+            self.channels[key] = ui.Channel(next(self._numbers), address, type_number)
+        return self.channels[key]
+
     def channels_of(self, instance: str) -> list[ui.Channel]:
         """Return the channels of a component's OutPorts, opening new ones."""
-        channels = []
-        for name, port in self.system.component(instance).out_ports.items():
-            if (instance, name) not in self._channels:
-                self._channels[instance, name] = ui.Channel(
-                    id=next(self._numbers),
-                    port=ui.PortAddress(instance=instance, port=name),
-                    type_number=self.describe.type_number(port.type),
-                )
-            channels.append(self._channels[instance, name])
-        return channels
+        return [
+            self.channel(instance, name, self.describe.type_number(port.type))
+            for name, port in self.system.component(instance).out_ports.items()
+        ]
 
     def forget(self, instance: str) -> None:
         """Forget a removed component."""
         self.places.pop(instance, None)
         self._counts.pop(instance, None)
-        for key in [key for key in self._channels if key[0] == instance]:
-            del self._channels[key]
+        for key in [key for key in self.channels if key[0] == instance]:
+            del self.channels[key]
 
     def port_names(self, instance: str) -> list[str]:
         """Return the names of a component's ports, each once."""
@@ -537,110 +416,11 @@ class Session:
         if port not in self.port_names(instance):
             raise CommandError(UNKNOWN, f"{instance} has no port {port!r}")
 
-    def sample_writer(
-        self, port: OutPort[Any], elapsed: Callable[[], int]
-    ) -> Callable[[Any], None]:
-        """Return a writer that sends the samples of a port to the pages that watch it."""
-        channel = self._channels.get((port.owner, port.name))
-        if channel is None:
-            self.channels_of(port.owner)
-            channel = self._channels[port.owner, port.name]
-        number = channel.id
-        encode: Any = cdr_encoder(port.type)
-        if channel.type_number < 0 or encode is None:
-            printed = json_printer(port.type)
-
-            def encode(value: Any) -> bytes:
-                return printed(value).encode()
-
-        def write(value: Any) -> None:
-            try:
-                data = encode(value)
-            except CdrError:
-                return  # The recorder counts invalid samples; pages cannot show them.
-            self.sample(ui.Sample(number, elapsed() / SECOND, data))
-
-        return write
-
     def sample(self, sample: ui.Sample) -> None:
         """Keep a sample, and send it to the pages that watch its channel; from any thread."""
         self.history.sample(sample)
         self.flows.written(sample.channel)
-        if sample.channel not in self._watched:
-            return
-        for page in self._pages:
-            if sample.channel in page.watched:
-                page.sample(sample)
-
-    def on_state(self, record: StateRecord) -> None:
-        """Publish a change of state."""
-        self.publish(
-            ui.Event.of_change(
-                ui.StateChange(
-                    time=record.time / SECOND,
-                    instance=record.instance,
-                    handle=record.ec_id,
-                    before=STATES[record.before],
-                    after=STATES[record.after],
-                    reason=record.reason,
-                )
-            )
-        )
-
-    def _on_traffic(self, system: runtime.System, happening: Happening) -> None:
-        if system is not self.system:
-            return  # The system is being closed.
-        match happening:
-            case ParameterChange(instance) if instance not in system.instances:
-                pass  # It is being added, and is described afterwards.
-            case ParameterChange(instance, parameter, value):
-                sets = self.system.component(instance).configuration_sets
-                change = ui.ParameterChange(
-                    instance=instance,
-                    set=sets.active,
-                    parameter=parameter,
-                    text=value,
-                    effective=True,
-                )
-                self.publish(ui.Event.of_setting(change))
-            case ConnectionChange(name, connected=True):
-                self._codecs.clear()
-                connector = self.system.connector(name)
-                if not self._is_within(connector):
-                    self._across.add(name)
-                    return
-                self.publish(ui.Event.of_connected(description.connection(connector)))
-            case ConnectionChange(name) if name in self._across:
-                self._across.discard(name)
-            case ConnectionChange(name):
-                self.publish(ui.Event.of_cut(name))
-            case BusFrame():
-                self.buses.on_frame(happening, self.now)
-            case BoardCall(instance, request, reply, error, duration):
-                call = ui.BoardCall(
-                    time=self.now,
-                    instance=instance,
-                    request=request,
-                    reply=reply,
-                    round_trip=duration / SECOND,
-                    error=error,
-                )
-                if codec := self._codec(instance):
-                    boards.describe(call, codec)
-                self.publish(ui.Event.of_call(call))
-
-    def _codec(self, communication: str) -> Codec | None:
-        """Return the codec of the marshaller that is connected to a communication RTC."""
-        if communication not in self._codecs:
-            ends = (
-                self.system.component(each)
-                for connector in self.connectors
-                if communication in (pair := instances_of(connector))
-                for each in pair
-            )
-            codec = next(filter(None, map(boards.codec_of, ends)), None)
-            self._codecs[communication] = codec
-        return self._codecs[communication]
+        self.pages.sample(sample)
 
     def notice(self, kind: str, instance: str, text: str) -> None:
         """Add a notice to the timeline."""
@@ -675,12 +455,15 @@ class Session:
             self.publish(*events)
             for sample in samples:
                 self.sample(sample)
-        if not self._pages:
+        if not self.pages:
             return
         if self.runner.playing:
             self.publish(ui.Event.of_clock(self.time()))
         changed = []
-        for each in description.statistics(self.system, self.system.instances):
+        for each in (
+            *description.statistics(self.system, self.system.instances),
+            *self.remote.statistics.values(),
+        ):
             before = self._counts.get(each.instance)
             if each != before:
                 self._counts[each.instance] = each
@@ -692,8 +475,8 @@ class Session:
         if self._is_time_for_flows() and self.flows.changed(
             self.now, self.connectors, self.source_channel
         ):
-            self._to_all(ui.Event.of_flows(self.flows.latest))
-        for page in self._pages:
+            self.pages.put_in_all(ui.Event.of_flows(self.flows.latest))
+        for page in self.pages:
             if changed:
                 page.statistics(changed)
             if page.missed_changes:
@@ -709,27 +492,12 @@ class Session:
     def source_channel(self, connector: DataConnector[Any]) -> int | None:
         """Return the number of the channel of the OutPort of a connection."""
         source = connector.source
-        channel = self._channels.get((source.owner, source.name))
+        channel = self.channels.get((source.owner, source.name))
         return None if channel is None else channel.id
 
     def close(self) -> None:
         """Notify the pages, and end the run."""
-        self._to_all(ui.Event.of_reason("the server has ended"))
+        self.pages.put_in_all(ui.Event.of_reason("the server has ended"))
         self._end_recording()
-        if self.watcher is not None:
-            self.watcher.close()
+        self.others.close()
         self.runner.close()
-
-
-class _Listener:
-    """Listener for the events of the system."""
-
-    def __init__(self, session: Session, system: runtime.System) -> None:
-        self.sample_writer = session.sample_writer
-        self._session = session
-        self._system = system
-
-    def __call__(self, record: Record) -> None:
-        # A closing system is no longer shown.
-        if isinstance(record, StateRecord) and self._session.system is self._system:
-            self._session.on_state(record)

@@ -38,6 +38,10 @@ class Key(NamedTuple):
 class Watcher(Protocol):
     """Follows components of other processes in a thread of its own, and carries out commands."""
 
+    @property
+    def time(self) -> float | None:
+        """The time of the run that is watched [s]; None if components have no common one."""
+
     def close(self) -> None:
         """Stop watching."""
 

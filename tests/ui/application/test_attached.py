@@ -15,6 +15,7 @@ from rtgen.runtime import xcdr
 from rtgen.runtime.distribution.in_process import Network
 from rtgen.runtime.distribution.transport import DistributedTransport
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
+from rtgen.ui.attaching import EngineLink
 from rtgen.ui.peers_watcher import PeersWatcher
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.protocol import ui
@@ -97,11 +98,10 @@ def page(network: Network, run: Run) -> Iterator[Watching]:
     """Yield a page that knows both components."""
     project = Project(QUIET, [])
     transport = DistributedTransport(network.medium())
+    link = EngineLink(transport, {WIRE.name: WIRE})
 
     def attach(publish: Any, report: Any) -> PeersWatcher:
-        return PeersWatcher(
-            transport, "here", [WIRE], project.data_type, publish, report, 0.005
-        )
+        return PeersWatcher(link, "here", project.data_type, publish, report, 0.005)
 
     session = Session(project, "", runtime.RealClock, attach=attach)
     found = Watching(session)

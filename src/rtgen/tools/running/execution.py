@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import shlex
+import sys
 import time
 from collections import deque
 from collections.abc import Callable, Sequence
@@ -14,6 +16,7 @@ from rtgen.compiler.systems import measures
 from rtgen.compiler.systems.conditions import Condition
 from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.rules import MEASURE, OBSERVABLE
+from rtgen.runtime.distribution.local_listener import ServedRun
 from rtgen.runtime.failures import ends_run
 from rtgen.runtime.services.transports import ForeignTransport, ProcessTransport
 from rtgen.runtime.system.recording import JsonLinesRecorder
@@ -82,6 +85,7 @@ def executed(plan: Plan, console: Console) -> int:
         run.begin(files)
         met, wall = run.run(end)
         unfinished = end.interrupted and not met
+        run.tell_end(met=met, interrupted=unfinished)
         if unfinished:
             console.say(_interrupted(plan.condition, running.time))
         outcome = run.outcome(met, wall)
@@ -172,6 +176,9 @@ class _Run:
         if bag is not None:
             running.at(0, bag.begin)
         options.live.begin(files, running, console, name, rest)
+        file = str(Path(plan.profile.file).absolute())
+        command = shlex.join(["rtgen", *sys.argv[1:]])
+        self._served = files.enter_context(ServedRun(running, name, file, command))
         if of_poses or plan.measures:
             running.every(
                 _SAMPLE_PERIOD, lambda: self._samples.append(self._view.sample())
@@ -200,6 +207,12 @@ class _Run:
             limit = _limit(plan.condition, plan.options.needs_end)
             self._running.measure_latencies()
             return _run(self._running, plan.condition, report, limit)
+
+    def tell_end(self, *, met: bool, interrupted: bool) -> None:
+        """Tell those who are attached that the run is over, and serve it no more."""
+        reason = "it is complete" if met else "it has not met its condition"
+        self._served.end("it was interrupted" if interrupted else reason)
+        self._served.close()
 
     def outcome(self, met: bool, wall: float) -> Outcome:
         """Return the outcome, and write the table. `wall` in seconds."""

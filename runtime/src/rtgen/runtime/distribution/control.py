@@ -8,9 +8,9 @@ from __future__ import annotations
 
 import re
 import secrets
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Hashable, Mapping
 from functools import partial
-from typing import TYPE_CHECKING, Any, TypeVar
+from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import msgspec
 
@@ -18,12 +18,7 @@ from rtgen.runtime.distribution import descriptions
 from rtgen.runtime.distribution.descriptions import Description, describe
 from rtgen.runtime.distribution.medium import Medium, MediumError, Reply, Token
 from rtgen.runtime.distribution.names import control_name
-from rtgen.runtime.distribution.rpc_header import (
-    Doubles,
-    OctetsClient,
-    serve_clients,
-)
-from rtgen.runtime.distribution.workers import Desk, Workers
+from rtgen.runtime.distribution.rpc_header import Doubles, serve_clients
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.failures import log
 from rtgen.runtime.rtc.component import Component
@@ -95,36 +90,40 @@ class _Answer(msgspec.Struct, omit_defaults=True):
     error: str = ""
 
 
-class Served:
-    """The control service of a component of this process. Raises MediumError.
+class Work(Protocol):
+    """Executes the requests of clients: those of each in turn."""
 
-    `system` returns the system of the component, None before it is known.
+    def submit(
+        self, work: Callable[[], None], client: Hashable, *, first: bool = False
+    ) -> bool:
+        """Execute work soon; return False if too much of the client waits."""
+
+
+class Control:
+    """Answers the requests of other processes for a component of this one.
+
+    `calls` executes those that call services, `desk` the others. `system` returns the system of
+    the component, None before it is known.
     """
 
     def __init__(
         self,
-        medium: Medium,
-        desk: Desk,
-        workers: Workers,
+        desk: Work,
+        calls: Work,
         component: Component,
         system: Callable[[], System | None],
     ) -> None:
         self._desk = desk
-        self._workers = workers
+        self._calls = calls
         self._doubles = Doubles()
         self._component = component
         self._system = system
-        name = control_name(component.instance_name)
-        self._token: Token = serve_clients(medium, name, self._on_request)
 
-    def close(self) -> None:
-        """Stop serving."""
-        self._token.close()
-
-    def _on_request(self, client: bytes, octets: bytes, reply: Reply) -> None:
+    def request(self, client: bytes, octets: bytes, reply: Reply) -> None:
+        """Execute a request soon, and reply to it."""
         if octets.startswith(_CALL):
             work = partial(self._answer, octets, reply, self._called, client)
-            accepted = self._workers.submit(work, client)
+            accepted = self._calls.submit(work, client)
         else:
             first = len(octets) < _MAX_FIRST and _FIRST.search(octets) is not None
             work = partial(self._answer, octets, reply, self._result, client)
@@ -167,9 +166,12 @@ class Served:
             return Outcome(refused="a value is nested too deep")
 
     def _result(self, request: _Request, client: bytes) -> Any:
-        if request.do == "describe":
-            return describe(self._component)
         system = self._system()
+        if request.do == "describe":
+            name = self._component.instance_name
+            known = system is not None and name in system.instances
+            context = system.context(name) if system and known else None
+            return describe(self._component, context)
         if system is None:
             raise ControlError("the process is not running its system yet")
         return _ACTIONS[request.do](
@@ -197,6 +199,11 @@ def _set(system: System, instance: str, arguments: Mapping[str, str]) -> None:
     system.configure(instance, arguments["parameter"], arguments["value"], set_id)
 
 
+def serve(medium: Medium, control: Control, instance: str) -> Token:
+    """Serve the control service of an instance. Raises MediumError."""
+    return serve_clients(medium, control_name(instance), control.request)
+
+
 _ACTIONS: dict[str, Callable[[System, str, Mapping[str, str]], Any]] = {
     "state": _state,
     "parameters": _parameters,
@@ -210,12 +217,25 @@ _ACTIONS: dict[str, Callable[[System, str, Mapping[str, str]], Any]] = {
 }
 
 
-class Asker:
-    """Client to monitor and control an instance of another process. Methods raise ControlError."""
+class Asking(Protocol):
+    """Sends requests to the control service of an instance."""
 
-    def __init__(self, medium: Medium, instance: str, timeout: float) -> None:
+    def call(self, octets: bytes, timeout: float) -> bytes:
+        """Return the reply to a request. Raises MediumError, CdrError."""
+
+    def close(self) -> None:
+        """Send no more requests."""
+
+
+class Asker:
+    """Client to monitor and control an instance of another process. Methods raise ControlError.
+
+    `timeout` [s] of a request.
+    """
+
+    def __init__(self, client: Asking, instance: str, timeout: float) -> None:
         self.instance = instance
-        self._client = OctetsClient(medium, control_name(instance))
+        self._client = client
         self._timeout = timeout
 
     def close(self) -> None:

@@ -299,28 +299,22 @@ class ReceivingConnector(DataConnector[Any]):
             self.give(value)
 
 
-class OwnTopic:
-    """The topic of an InPort, for programs without rtgen.
+class Feed:
+    """Gives samples from outside to an InPort; `source` names the writer.
 
     Its connection is made when the first sample comes, so it costs nothing before.
     """
 
-    def __init__(self, medium: Medium, port: InPort[Any]) -> None:
+    def __init__(self, port: InPort[Any], source: str) -> None:
         self._port = port
-        self._arrivals = Arrivals(str(port), port.type)
+        self._source = source
         self._connector: DataConnector[Any] | None = None
-        topic = in_topic(port.owner, port.name, port.type)
-        # Whatever a writer offers is enough.
-        least = Qos(reliable=False, depth=DEFAULT.depth)
-        self._arrivals.subscription = medium.subscribe(topic, least, self._on_sample)
 
-    def _on_sample(self, sample: Sample) -> None:
-        value = self._arrivals.taken(sample)
-        if value is None:
-            return
+    def give(self, value: Any) -> None:
+        """Give a sample that nothing else refers to."""
         if self._connector is None:
             port = self._port
-            outside: OutPort[Any] = OutPort("topic", port.type, f"{port.owner}.in")
+            outside: OutPort[Any] = OutPort(self._source, port.type, f"{port.owner}.in")
             name = f"{port.owner}.in.{port.name}"
             self._connector = DataConnector(
                 name, outside, port, {}, lambda: port._guard
@@ -329,8 +323,29 @@ class OwnTopic:
         self._connector.give(value)
 
     def close(self) -> None:
+        """Give no more samples."""
+        if self._connector is not None:
+            self._connector.detach()
+
+
+class OwnTopic:
+    """The topic of an InPort, for programs without rtgen."""
+
+    def __init__(self, medium: Medium, port: InPort[Any]) -> None:
+        self._arrivals = Arrivals(str(port), port.type)
+        self._feed = Feed(port, "topic")
+        topic = in_topic(port.owner, port.name, port.type)
+        # Whatever a writer offers is enough.
+        least = Qos(reliable=False, depth=DEFAULT.depth)
+        self._arrivals.subscription = medium.subscribe(topic, least, self._on_sample)
+
+    def _on_sample(self, sample: Sample) -> None:
+        value = self._arrivals.taken(sample)
+        if value is not None:
+            self._feed.give(value)
+
+    def close(self) -> None:
         """Take no more samples."""
         if self._arrivals.subscription is not None:
             self._arrivals.subscription.close()
-        if self._connector is not None:
-            self._connector.detach()
+        self._feed.close()

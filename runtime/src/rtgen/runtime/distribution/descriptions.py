@@ -2,11 +2,16 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
+from typing import Any
+
 import msgspec
 
 from rtgen.runtime.marshalling.comparison import definition
 from rtgen.runtime.marshalling.descriptors import lineage
 from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.rtc.execution_context import ExecutionContext
+from rtgen.runtime.rtc.profiles import ParameterProfile, PortProfile
 
 MAX_OCTETS = 4 << 20
 """Maximum length of a description [octets]."""
@@ -17,6 +22,8 @@ class DataPort(msgspec.Struct, frozen=True):
 
     type: str
     definition: str
+    unit: str = ""
+    doc: str = ""
 
 
 class Interface(msgspec.Struct, frozen=True):
@@ -34,7 +41,7 @@ class Interface(msgspec.Struct, frozen=True):
 
 
 class Description(msgspec.Struct, frozen=True):
-    """The description of an instance."""
+    """The description of an instance; `rate` [Hz] and `kind` of its context, if known."""
 
     instance: str
     type: str
@@ -42,26 +49,43 @@ class Description(msgspec.Struct, frozen=True):
     out_ports: dict[str, DataPort]
     providers: list[Interface]
     consumers: list[Interface]
+    doc: str = ""
+    rate: float | None = None
+    kind: str = ""
+    parameters: list[ParameterProfile] = []
 
 
-def describe(component: Component) -> Description:
-    """Return the description of a component of this process."""
+def describe(
+    component: Component, context: ExecutionContext | None = None
+) -> Description:
+    """Return the description of a component of this process, and of its own context."""
+    profile = component.profile
+    stated = {each.name: each for each in profile.ports if not each.port}
+
+    def data_ports(ports: Mapping[str, Any]) -> dict[str, DataPort]:
+        return {n: _data_port(port.type, stated.get(n)) for n, port in ports.items()}
+
     return Description(
         component.instance_name,
-        component.profile.type_name,
-        {name: _data_port(port.type) for name, port in component.in_ports.items()},
-        {name: _data_port(port.type) for name, port in component.out_ports.items()},
+        profile.type_name,
+        data_ports(component.in_ports),
+        data_ports(component.out_ports),
         [
             _interface(*key, each.interface, each.exists)
             for key, each in component.providers.items()
         ],
         [_interface(*key, each.interface) for key, each in component.consumers.items()],
+        profile.description,
+        None if context is None else context.get_rate(),
+        "" if context is None else context.get_kind().name,
+        [*component.configuration_sets.parameters],
     )
 
 
-def _data_port(type_: type) -> DataPort:
+def _data_port(type_: type, profile: PortProfile | None) -> DataPort:
     descriptor = type_._descriptor_  # type: ignore[attr-defined]
-    return DataPort(descriptor.name, definition(descriptor))
+    texts = () if profile is None else (profile.unit, profile.description)
+    return DataPort(descriptor.name, definition(descriptor), *texts)
 
 
 def _interface(

@@ -12,6 +12,7 @@ from typing import TypeAlias
 from rtgen.runtime.distribution import control, names
 from rtgen.runtime.distribution.descriptions import Description
 from rtgen.runtime.distribution.medium import Medium, Token
+from rtgen.runtime.distribution.rpc_header import OctetsClient
 from rtgen.runtime.failures import NOTE, log
 
 _RETRY_INTERVAL = 0.2
@@ -88,7 +89,8 @@ class Peers:
         with self._changed:
             client = self._askers.get(instance)
             if client is None:
-                client = control.Asker(self._medium, instance, self._timeout)
+                octets = OctetsClient(self._medium, names.control_name(instance))
+                client = control.Asker(octets, instance, self._timeout)
                 self._askers[instance] = client
             return client
 

@@ -12,25 +12,32 @@ from typing import TYPE_CHECKING, Any
 import msgspec
 
 from rtgen.runtime.closable import Closable
-from rtgen.runtime.distribution.control import BURST, SHARE, Served
+from rtgen.runtime.distribution.control import BURST, SHARE, Control, serve
 from rtgen.runtime.distribution.data import (
     Arrivals,
     OutTopic,
     OwnTopic,
     ReceivingConnector,
     SendingConnector,
+    encoder,
 )
 from rtgen.runtime.distribution.descriptions import DataPort
 from rtgen.runtime.distribution.medium import (
     Medium,
     MediumError,
+    Publisher,
     Sample,
     Subscription,
     Token,
 )
-from rtgen.runtime.distribution.names import ending_name, out_topic, presence_name
+from rtgen.runtime.distribution.names import (
+    ending_name,
+    in_topic,
+    out_topic,
+    presence_name,
+)
 from rtgen.runtime.distribution.peers import Peers, Presence
-from rtgen.runtime.distribution.qos import WATCHING, fails_on_loss
+from rtgen.runtime.distribution.qos import DEFAULT, WATCHING, fails_on_loss
 from rtgen.runtime.distribution.services import RemoteProvider, ServedProvider
 from rtgen.runtime.distribution.workers import Desk, Workers
 from rtgen.runtime.errors import (
@@ -89,6 +96,7 @@ class DistributedTransport(Closable):
         self._data: list[SendingConnector | ReceivingConnector] = []
         self._failing: dict[str, tuple[str, str]] = {}
         """By connection: the component that fails, and the instance whose loss makes it fail."""
+        self._givers: dict[RemotePort, Publisher] = {}
         self._endings: dict[str, Token] = {}
         """The announcements of the ends of instances."""
         self._system: System | None = None
@@ -110,6 +118,8 @@ class DistributedTransport(Closable):
                 published.close()
             self._published.clear()
             self.peers.close()
+            for giver in self._givers.values():
+                giver.close()
             for connector in self._calls:
                 for provider in connector.providers:
                     provider.close()
@@ -143,15 +153,10 @@ class DistributedTransport(Closable):
                 for provider in component.providers.values():
                     served = ServedProvider(medium, self._workers, provider)
                     published.tokens.append(served)
-                published.tokens.append(
-                    Served(
-                        medium,
-                        self._desk,
-                        self._workers,
-                        component,
-                        lambda: self._system,
-                    )
+                control = Control(
+                    self._desk, self._workers, component, lambda: self._system
                 )
+                published.tokens.append(serve(medium, control, instance))
                 presence = presence_name(instance, self._process)
                 published.tokens.append(medium.announce(presence))
         except TransportError:
@@ -257,6 +262,14 @@ class DistributedTransport(Closable):
         subscription = self._medium.subscribe(topic, WATCHING, on_sample)
         arrivals.subscription = subscription
         return subscription
+
+    def give(self, there: RemotePort, type_: type[Any], value: Any) -> None:
+        """Give a sample to an InPort of another process. Raises MediumError, CdrError."""
+        publisher = self._givers.get(there)
+        if publisher is None:
+            topic = in_topic(there.instance, there.port, type_)
+            publisher = self._givers[there] = self._medium.publisher(topic, DEFAULT)
+        publisher.publish(encoder(type_)(value))
 
     def _watch_loss(
         self, instance: str, there: RemotePort, name: str, properties: Mapping[str, str]

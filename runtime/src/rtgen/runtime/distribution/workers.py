@@ -35,8 +35,14 @@ class Workers:
         self._queues = Queues(self._requests, _MAX_OF_CLIENT, _MAX_BUSY)
         self._closed = False
 
-    def submit(self, work: Callable[[], None], client: Hashable | None = None) -> bool:
-        """Execute work soon, that of each client in turn.
+    def submit(
+        self,
+        work: Callable[[], None],
+        client: Hashable | None = None,
+        *,
+        first: bool = False,
+    ) -> bool:
+        """Execute work soon, that of each client in turn; `first` is without effect.
 
         Return False if too much of the client waits, or after `close`.
         """

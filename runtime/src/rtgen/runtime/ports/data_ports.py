@@ -489,6 +489,17 @@ class DataConnector(Generic[T]):
         here = self.overwritten + self.refused + self.dropped + self.cut
         return here + self.missed
 
+    @property
+    def losses(self) -> dict[str, int]:
+        """The numbers of lost samples by what became of them; without those that were cut."""
+        counts = {
+            "overwritten in a full buffer": self.overwritten,
+            "refused by a full buffer": self.refused,
+            "skipped by the push policy": self.dropped,
+            "lost on the way from another process": self.missed,
+        }
+        return {what: count for what, count in counts.items() if count}
+
     def send(self, value: T) -> PortStatus:
         """Take a snapshot and deliver it, or leave it to the publisher."""
         return self._deliver(self._snapshot(self.source._checked(value)))

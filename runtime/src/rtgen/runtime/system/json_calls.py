@@ -58,7 +58,7 @@ class JsonCall:
         forms_of(self._call)  # raises CallError for a reply without a JSON form, too
         request = request_of(operation, self._call.request, arguments)
         self._arguments: tuple[object, ...] = (
-            () if request is None else _values(request)
+            () if request is None else values_of(request)
         )
 
     def require_exception(self, name: str) -> None:
@@ -84,7 +84,7 @@ class JsonCall:
             return Outcome(exception=name, members=members, message=str(error))
         except (ServiceError, CdrError) as error:
             return Outcome(exception=type(error).__name__, message=str(error))
-        names = _member_names(self._call.reply)
+        names = members_of(self._call.reply)
         results = (result,) if len(names) == 1 else result
         values = results if isinstance(results, tuple) else ()
         out = dict(zip(names, map(plain, values), strict=False))
@@ -98,7 +98,7 @@ def request_of(operation: str, type_: Any, arguments: Arguments) -> Any:
     """
     _, convert = _form(type_)
     try:
-        request = convert(_named(arguments, _member_names(type_)))
+        request = convert(_named(arguments, members_of(type_)))
         if request is not None:
             request.to_xcdr1()  # raises CdrError for values out of range
     except CdrError as error:
@@ -215,11 +215,12 @@ def _named(arguments: Arguments, names: Sequence[str]) -> dict[str, Any]:
     return pairs
 
 
-def _values(request: Any) -> tuple[object, ...]:
+def values_of(request: Any) -> tuple[object, ...]:
+    """Return the values of the members of a request or reply."""
     members = request._descriptor_.members
     return tuple(getattr(request, member.attribute) for member in members)
 
 
-def _member_names(type_: Any) -> list[str]:
+def members_of(type_: Any) -> list[str]:
     """Return the names of the members of a request or reply; none for an empty one."""
     return [] if type_ is None else [m.name for m in type_._descriptor_.members]

@@ -1,0 +1,143 @@
+"""The socket at which programs of the same user find a run, and what it costs a run without them.
+
+The first one that comes loads the rest (`local_server`).
+"""
+
+from __future__ import annotations
+
+import itertools
+import os
+import socket
+import threading
+import time
+from collections.abc import Callable, Hashable
+from contextlib import suppress
+from pathlib import Path
+from typing import TYPE_CHECKING, Final
+
+from rtgen.runtime.closable import Closable
+from rtgen.runtime.distribution import local_runs
+from rtgen.runtime.distribution.local_runs import Hello
+from rtgen.runtime.failures import log
+from rtgen.runtime.requests import Queues, Requests
+from rtgen.runtime.timing.clocks import SECOND, SimulatedClock
+
+if TYPE_CHECKING:
+    from rtgen.runtime.distribution.local_server import RunServer
+    from rtgen.runtime.system.system import System
+
+MAX_CLIENTS: Final = 8
+_MAX_OF_CLIENT: Final = 64
+_SHARE: Final = 0.2
+"""The part of the time of a simulated run for requests."""
+_BURST: Final = 0.5
+"""Time that is saved up for them [s]."""
+_PERIOD: Final = SECOND // 10
+"""Period of executing requests in a simulated run, in its time [ns]."""
+_LONGEST: Final = 0.01
+"""Time for them at once [s]."""
+_numbers = itertools.count(1)
+
+
+class InRun:
+    """Executes requests in the thread of a run, between two of its steps; see `control.Work`."""
+
+    def __init__(self) -> None:
+        self._requests = Requests(_SHARE, _BURST)
+        self._queues = Queues(self._requests, _MAX_OF_CLIENT, 1)
+
+    def submit(
+        self, work: Callable[[], None], client: Hashable, *, first: bool = False
+    ) -> bool:
+        """Execute work soon; return False if too much of the client waits."""
+        return self._queues.put(client, work, first=first)
+
+    def carry_out(self) -> None:
+        """Execute what waits."""
+        self._requests.carry_out(_LONGEST)
+
+
+class ServedRun(Closable):
+    """Lets programs of the same user find and control a system, until it is closed.
+
+    Created before the first `run`. `path` of the socket is None where that is not possible.
+    """
+
+    def __init__(self, system: System, name: str, file: str, command: str) -> None:
+        self._system = system
+        simulated = isinstance(system.clock, SimulatedClock)
+        self._hello = Hello(name, os.getpid(), file, command, simulated, time.time())
+        self._in_run = InRun() if simulated else None
+        self._server: RunServer | None = None
+        self._lock = threading.Lock()
+        self._closed = False
+        self.path: Path | None = None
+        self._listening: socket.socket | None = None
+        try:
+            if local_runs.is_supported():
+                self._listening = self._listen()
+        except OSError as error:
+            log.debug("`rtgen ui --attach` cannot find this run: %s", error)
+        if self._listening is not None and self._in_run is not None:
+            system.every(_PERIOD, self._in_run.carry_out)
+
+    def _listen(self) -> socket.socket:
+        path = local_runs.folder() / (
+            f"{os.getpid()}-{next(_numbers)}{local_runs.SUFFIX}"
+        )
+        listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        try:
+            with suppress(FileNotFoundError):
+                path.unlink()  # of a process that was killed, whose number this one has
+            listening.bind(str(path))
+            listening.listen(MAX_CLIENTS)
+        except OSError:
+            listening.close()
+            raise
+        self.path = path
+        threading.Thread(
+            target=self._accept, args=(listening,), name="rtgen attach", daemon=True
+        ).start()
+        return listening
+
+    def _accept(self, listening: socket.socket) -> None:
+        while True:
+            try:
+                stream, _ = listening.accept()
+            except OSError:
+                return  # It is closed.
+            server = self._begun()
+            if server is None:
+                stream.close()
+            else:
+                server.accept(stream)
+
+    def _begun(self) -> RunServer | None:
+        """Return the server of programs; None after `close`."""
+        with self._lock:
+            if self._server is None and not self._closed:
+                from rtgen.runtime.distribution.local_server import RunServer
+
+                self._server = RunServer(self._system, self._hello, self._in_run)
+            return self._server
+
+    def end(self, reason: str) -> None:
+        """Tell those who are connected that the run is over, and why."""
+        if self._server is not None:
+            self._server.end(reason)
+
+    def close(self) -> None:
+        """Serve no more. A second call has no effect."""
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+        if self._listening is not None:
+            with suppress(OSError):
+                self._listening.shutdown(socket.SHUT_RDWR)
+            self._listening.close()
+        if self.path is not None:
+            with suppress(OSError):
+                self.path.unlink()
+        if self._server is not None:
+            self._server.close()

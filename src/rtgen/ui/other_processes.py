@@ -1,0 +1,138 @@
+"""What a session shows of other processes, which a watcher follows."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable
+from functools import partial
+from typing import TYPE_CHECKING
+
+from msgspec.structs import replace
+
+from rtgen.facts.openrtm_ports import KIND
+from rtgen.tools.kit.member_units import MemberUnits
+from rtgen.ui.description import member_units
+from rtgen.ui.protocol import ui
+from rtgen.ui.remote_state import RemoteState
+from rtgen.ui.type_table import NO_TYPE
+from rtgen.ui.watching import Attach, Key, Use, Watcher
+
+if TYPE_CHECKING:
+    from rtgen.ui.session import Session
+
+
+class OtherProcesses:
+    """The last state that the watcher has told, and its changes for pages.
+
+    Only the thread of the session's runner changes it.
+    """
+
+    def __init__(self, session: Session) -> None:
+        self._session = session
+        self.state = RemoteState()
+        self.watcher: Watcher | None = None
+
+    def follow(self, attach: Attach) -> None:
+        """Begin to watch."""
+        self.watcher = attach(self._update, self._report)
+
+    def close(self) -> None:
+        """Stop watching."""
+        if self.watcher is not None:
+            self.watcher.close()
+
+    @property
+    def time(self) -> float | None:
+        """The time of the run that is watched [s]; None if there is none."""
+        return None if self.watcher is None else self.watcher.time
+
+    @property
+    def is_attached(self) -> bool:
+        """Whether a run is shown instead of one of this process."""
+        return self.state.run.number > 0
+
+    def watch(self, channels: Iterable[ui.Channel]) -> None:
+        """Receive the samples of these channels, if they are of other processes."""
+        if self.watcher is not None:
+            known = self.state.components
+            self.watcher.watch(
+                {
+                    Key(Use.LISTEN, each.port.instance, each.port.port): partial(
+                        self._take, each.id
+                    )
+                    for each in channels
+                    if each.port.instance in known
+                }
+            )
+
+    def _take(self, channel: int, data: bytes) -> None:
+        session = self._session
+        session.sample(ui.Sample(channel, session.now, data))
+
+    def _update(self, state: RemoteState) -> bool:
+        """Publish the changes; from any thread."""
+        return self._session.runner.submit(partial(self._changed, state))
+
+    def _report(self, instance: str, text: str) -> None:
+        session = self._session
+        session.runner.submit(lambda: session.notice("error", instance, text))
+
+    def _changed(self, state: RemoteState) -> None:
+        session = self._session
+        before, self.state = self.state, state.known(self._completed)
+        session.flows.others = self.state.flows
+        if self.state.run.number != before.run.number:
+            session.run_again()
+            session.edits.forget()
+            session.runner.play()
+            session.watch_changed()
+            return
+        for instance in before.components.keys() - self.state.components.keys():
+            session.forget(instance)
+        for instance in self.state.components.keys() - before.components.keys():
+            component = session.foreign.get(f"{instance}.{KIND}")
+            if component is not None and component.location is not None:
+                x, y = component.location[:2]
+                session.places.setdefault(instance, (float(x), float(y)))
+        opened = self.open()
+        changes = self.state.changes(before, session.now)
+        session.publish(*map(self._placed, changes), *map(ui.Event.of_opened, opened))
+        if self.state.run.ended != before.run.ended:
+            if self.state.run.ended:
+                session.notice("end", "", self.state.run.ended)
+            session.publish(ui.Event.of_clock(session.time()))
+        session.watch_changed()
+
+    def _completed(self, port: ui.Port) -> ui.Port:
+        """Return a port with the project's types."""
+        session = self._session
+        project, describe = session.project, session.describe
+        number, units = NO_TYPE, port.units
+        if port.type and (type_ := project.data_type(port.type)) is not None:
+            number = describe.type_number(type_)
+            units = member_units(MemberUnits(type_, port.unit))
+        interfaces = [
+            (
+                replace(each, operations=describe.operations(interface))
+                if each.provided and (interface := project.interface(each.type))
+                else each
+            )
+            for each in port.interfaces
+        ]
+        return replace(port, type_number=number, units=units, interfaces=interfaces)
+
+    def open(self) -> list[ui.Channel]:
+        """Return the channels of new OutPorts."""
+        return [
+            self._session.channel(instance, port.name, port.type_number)
+            for instance, component in self.state.components.items()
+            for port in component.ports
+            if port.kind is ui.PortKind.PORT_OUT
+            and port.type_number >= 0
+            and (instance, port.name) not in self._session.channels
+        ]
+
+    def _placed(self, event: ui.Event) -> ui.Event:
+        """Add the place of its box to an event about a component."""
+        if event.discriminator is not ui.EventKind.EVENT_COMPONENT:
+            return event
+        return ui.Event.of_described(self._session.component(event.described.instance))

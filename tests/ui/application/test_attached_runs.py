@@ -1,0 +1,318 @@
+"""`rtgen ui --attach`: runs of this machine on a page, to their end and beyond."""
+
+from __future__ import annotations
+
+import socket
+import tempfile
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import suppress
+from pathlib import Path
+from typing import Any
+
+import pytest
+from attached_page import Watching
+from patience import until
+from test_attached import Project, Sink, Source
+from ui_bench import QUIET
+
+from refrobots.rtc import Time, TimedDouble
+from rtgen import runtime
+from rtgen.cli import run as rtgen
+from rtgen.runtime import xcdr
+from rtgen.runtime.distribution import local_runs
+from rtgen.runtime.distribution.local_link import LocalLink
+from rtgen.runtime.distribution.local_listener import ServedRun
+from rtgen.runtime.return_codes import ReturnCode_t
+from rtgen.ui.attaching import RunLink, chosen
+from rtgen.ui.peers_watcher import PeersWatcher
+from rtgen.ui.protocol import ui
+from rtgen.ui.session import Session
+
+CLOCKS = {"real": runtime.RealClock, "simulated": runtime.SimulatedClock}
+
+
+class Counting(runtime.Component):
+    """Remembers the sum of what it receives."""
+
+    profile = runtime.ComponentProfile("Counting", rate=100.0)
+
+    def __init__(self, instance: str) -> None:
+        super().__init__(instance)
+        self.inward = self.add_in_port("in", TimedDouble)
+        self.sum = 0.0
+
+    def on_execute(self, ec_id: int) -> ReturnCode_t:
+        while self.inward.is_new():
+            sample = self.inward.read()
+            assert sample is not None
+            self.sum += sample.data
+            if sample.data < 0:
+                raise ValueError(f"below zero: {sample.data}")
+        return runtime.RTC_OK
+
+
+class Running:
+    """A system that runs in a thread of its own until `end`."""
+
+    def __init__(self, name: str = "demo", clock: str = "real") -> None:
+        self.system = runtime.System(CLOCKS[clock]())
+        self.system.on_failure = lambda failure: None
+        self.counting = Counting("Counting0")
+        for each in (Source("Source0"), Sink("Sink0"), self.counting):
+            self.system.add(each)
+        self.system.connect(("Source0", "out"), ("Sink0", "in"), name="wire")
+        self.served = ServedRun(self.system, name, "demo.xml", "rtgen run demo.xml")
+        self._over = threading.Event()
+        self._thread = threading.Thread(target=self._run)
+        self._thread.start()
+
+    def _run(self) -> None:
+        self.system.run(until=lambda _: self._over.is_set())
+
+    def end(self, reason: str = "it is complete") -> None:
+        if self._over.is_set():
+            return
+        self._over.set()
+        self._thread.join()
+        if reason:
+            self.served.end(reason)
+        self.served.close()
+        self.system.close()
+
+    @property
+    def path(self) -> Path:
+        assert self.served.path is not None
+        return self.served.path
+
+
+@pytest.fixture(autouse=True)
+def folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Yield the folder of sockets, whose path must be short."""
+    with tempfile.TemporaryDirectory(prefix="rtgen") as name:
+        monkeypatch.setenv(local_runs.FOLDER, name)
+        yield Path(name)
+
+
+Begin = Callable[..., Running]
+
+
+@pytest.fixture
+def begin() -> Iterator[Begin]:
+    """Yield a function that begins a run, which is ended at the end."""
+    begun: list[Running] = []
+
+    def run(*arguments: str) -> Running:
+        begun.append(Running(*arguments))
+        return begun[-1]
+
+    yield run
+    for each in begun:
+        each.end()
+
+
+@pytest.fixture(params=[*CLOCKS])
+def run(request: pytest.FixtureRequest, begin: Begin) -> Running:
+    return begin("demo", request.param)
+
+
+@pytest.fixture
+def page(run: Running) -> Iterator[Watching]:
+    """Yield a page that knows the run."""
+    project = Project(QUIET, [])
+    link = RunLink(run.path)
+
+    def attach(publish: Any, report: Any) -> PeersWatcher:
+        return PeersWatcher(link, "here", project.data_type, publish, report, 0.005)
+
+    session = Session(project, "", runtime.RealClock, attach=attach)
+    found = Watching(session)
+    found.until(lambda: len(found.components) == 3)
+    yield found
+    session.close()
+
+
+def test_a_run_is_shown(page: Watching) -> None:
+    source = page.components["Source0"]
+    assert (source.type, source.place, source.silent) == ("Source", "here", "")
+    assert [each.rate for each in source.contexts] == [100.0]
+    [gain] = source.parameters
+    assert (gain.name, gain.type, gain.default_value) == ("gain", "double", "1.0")
+    page.until(lambda: page.connections.keys() == {"wire"})
+    assert page.session.whole().name == "demo"
+
+
+def test_states_are_asked_for(page: Watching, run: Running) -> None:
+    for request, state in (
+        ("activated", ui.State.STATE_ACTIVE),
+        ("deactivated", ui.State.STATE_INACTIVE),
+    ):
+        page.done(request, ["Counting0"])
+        page.until(lambda state=state: page.state("Counting0") is state)
+    page.done("activated", ["Counting0"])
+    page.until(lambda: page.state("Counting0") is ui.State.STATE_ACTIVE)
+    give(page, -1.0)
+    page.until(lambda: page.state("Counting0") is ui.State.STATE_ERROR)
+    assert "below zero" in page.components["Counting0"].reason
+    page.done("restored", ["Counting0"])
+    page.until(lambda: page.state("Counting0") is ui.State.STATE_INACTIVE)
+
+
+def give(page: Watching, number: float) -> None:
+    data = xcdr.serialize(
+        TimedDouble(Time(1, 2), number), xcdr.representation_of(TimedDouble, 1)
+    )
+    page.done("injected", ui.Inject(ui.PortAddress("Counting0", "in"), data))
+
+
+def test_samples_are_given(page: Watching, run: Running) -> None:
+    page.done("activated", ["Counting0"])
+    for number in (1.0, 2.0, 4.0):
+        give(page, number)
+    page.until(lambda: run.counting.sum == 7.0)
+
+
+def test_parameters_and_samples_have_the_time_of_the_run(page: Watching) -> None:
+    page.done("activated", ["Source0"])
+    page.done("setting", ui.SetParameter("Source0", "", "gain", "2.5"))
+    [channel] = page.channels
+    page.done("channels", [channel.id])
+
+    def arrived() -> list[ui.Sample]:
+        return page.samples.get(channel.id, [])
+
+    def numbers() -> list[float]:
+        return [xcdr.deserialize(TimedDouble, e.data).data for e in arrived()]
+
+    page.until(lambda: 2.5 in numbers())
+    times = [each.time for each in arrived()]
+    assert times == sorted(times)
+    page.until(lambda: page.edits.undo != "")
+    page.done("undone", True)
+    page.until(lambda: numbers()[-1] == 1.0)
+
+
+def test_wires_have_rates_and_losses(page: Watching) -> None:
+    page.done("activated", ["Source0"])
+
+    def flow() -> Any:
+        flows = {each.name: each for each in page.session.remote.flows}
+        return flows["wire"].rate > 50.0 and flows["wire"].lost > 0 and flows["wire"]
+
+    assert "overwritten in a full buffer" in page.until(flow).details
+
+
+def test_what_belongs_to_the_file_is_refused(page: Watching) -> None:
+    for branch, value in (
+        ("connection", "wire"),
+        ("file", "other.xml"),
+        ("added", ui.AddComponent("Source")),
+    ):
+        refused = page.ask(branch, value)
+        assert not refused.done
+        assert "watched" in refused.message
+
+
+def test_the_end_is_told_and_the_next_run_is_shown(
+    page: Watching, run: Running, begin: Begin
+) -> None:
+    session = page.session
+    run.end("it was interrupted")
+    page.until(lambda: session.time().ended)
+    assert session.time().reason.startswith("it was interrupted. This page goes on")
+    assert "rtgen run demo.xml" in session.time().reason
+    page.until(lambda: page.components["Source0"].silent == "the run has ended")
+    assert not page.ask("activated", ["Source0"]).done
+    begin("other")
+    begin("demo")
+    page.until(lambda: page.components["Source0"].silent == "")
+    assert not session.time().ended
+    assert session.remote.run.number == 2
+    page.done("activated", ["Source0"])
+    page.until(lambda: page.state("Source0") is ui.State.STATE_ACTIVE)
+
+
+def test_a_run_that_is_killed_is_told(page: Watching, run: Running) -> None:
+    run.end("")
+    page.until(lambda: page.session.time().ended)
+    assert "without a farewell" in page.session.time().reason
+
+
+def test_the_run_before_is_compared_with_the_next(
+    page: Watching, run: Running, begin: Begin
+) -> None:
+    page.done("activated", ["Source0"])
+    [channel] = page.channels
+    page.done("channels", [channel.id])
+    page.until(lambda: len(page.samples.get(channel.id, ())) > 3)
+    page.done("kept", True)
+    run.end()
+    begin("demo")
+    page.until(lambda: page.session.remote.run.number == 2)
+    page.until(lambda: any(each.beside for each in page.channels))
+
+
+def test_runs_are_chosen_by_name_or_process(begin: Begin) -> None:
+    first, second = begin("one"), begin("two")
+    runs = local_runs.runs()
+    assert {path for path, _ in runs} == {first.path, second.path}
+    assert [path for path, _ in chosen(runs, "two")] == [second.path]
+    assert len(chosen(runs, "")) == len(chosen(runs, str(runs[0][1].pid))) == 2
+    assert chosen(runs, "three") == []
+
+
+def test_the_command_lists_the_runs_that_it_cannot_choose_from(
+    begin: Begin, capsys: pytest.CaptureFixture[str]
+) -> None:
+    assert rtgen(["ui", "--attach", "--no-open"]) != 0
+    assert "nothing runs" in capsys.readouterr().err
+    begin("one")
+    begin("two")
+    for arguments in (["--attach"], ["--attach", "three"]):
+        assert rtgen(["ui", *arguments, "--no-open"]) != 0
+        message = capsys.readouterr().err
+        assert "one, rtgen run demo.xml" in message
+        assert "two, rtgen run demo.xml" in message
+    assert rtgen(["ui", "--attach", "one", "--transport", "zenoh"]) != 0
+    assert "without SYSTEM" in capsys.readouterr().err
+
+
+def test_others_cannot_enter_the_folder(folder: Path) -> None:
+    assert local_runs.folder().stat().st_mode & 0o777 == 0o700
+    folder.chmod(0o755)
+    with pytest.raises(OSError, match="other users"):
+        local_runs.runs()
+    folder.chmod(0o700)
+
+
+def test_a_socket_without_a_process_is_removed(folder: Path) -> None:
+    dead = socket.socket(socket.AF_UNIX)
+    dead.bind(str(folder / f"1{local_runs.SUFFIX}"))
+    dead.close()
+    assert local_runs.runs() == []
+    assert [*folder.iterdir()] == []
+
+
+@pytest.mark.parametrize("octets", [b"\xff" * 64, b"\0\0\0\2{}", b"\0\0\0\1"])
+def test_a_run_survives_what_is_no_message(begin: Begin, octets: bytes) -> None:
+    run = begin()
+    stream, _ = local_runs.connect(run.path)
+    stream.sendall(octets)
+    stream.shutdown(socket.SHUT_WR)
+    with suppress(ConnectionResetError):
+        while stream.recv(1 << 16):
+            pass
+    stream.close()
+    with LocalLink(run.path) as link:
+        assert link.asker("Source0").state().state == "INACTIVE_STATE"
+
+
+def test_a_program_that_does_not_read_does_not_stop_a_run(begin: Begin) -> None:
+    run = begin("demo", "simulated")
+    stream, _ = local_runs.connect(run.path)
+    stream.sendall(local_runs.packed(local_runs.Listen("Source0", "out", on=True)))
+    with LocalLink(run.path) as link:
+        link.asker("Source0").activate()
+        begun = run.system.time
+        until(lambda: run.system.time > begun + 100_000_000_000)
+    stream.close()
