@@ -77,6 +77,21 @@ class Console(msgspec.Struct, frozen=True):
         if text and not self.quiet and self.form == "text":
             _write_error(printable(f"{text}\n", "\n\t"))
 
+    def choice(self, question: str, answers: Sequence[str]) -> int | None:
+        """Return the number of the answer that a person chooses, from 0 on.
+
+        None if nobody is asked, since the command does not talk to a terminal, or chooses none.
+        """
+        if self.form != "text" or not (sys.stdin.isatty() and sys.stderr.isatty()):
+            return None
+        lines = [question, *(f"{i:3} {each}" for i, each in enumerate(answers, 1))]
+        sys.stderr.write(printable("\n".join(lines) + "\nnumber: ", "\n\t"))
+        sys.stderr.flush()
+        text = sys.stdin.readline().strip()
+        if not text.isdecimal() or not 0 < int(text) <= len(answers):
+            return None
+        return int(text) - 1
+
 
 @contextmanager
 def noted_output() -> Iterator[list[str | bytes]]:
@@ -94,21 +109,6 @@ def _write_error(text: str) -> None:
     if output is not None:
         output.append(text)
     sys.stderr.write(text)
-
-    def choice(self, question: str, answers: Sequence[str]) -> int | None:
-        """Return the number of the answer that a person chooses, from 0 on.
-
-        None if nobody is asked, since the command does not talk to a terminal, or chooses none.
-        """
-        if self.form != "text" or not (sys.stdin.isatty() and sys.stderr.isatty()):
-            return None
-        lines = [question, *(f"{i:3} {each}" for i, each in enumerate(answers, 1))]
-        sys.stderr.write(printable("\n".join(lines) + "\nnumber: ", "\n\t"))
-        sys.stderr.flush()
-        text = sys.stdin.readline().strip()
-        if not text.isdecimal() or not 0 < int(text) <= len(answers):
-            return None
-        return int(text) - 1
 
 
 def _folded(
