@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import logging
 import select
+import selectors
 import socket
 import struct
 import threading
@@ -11,6 +12,7 @@ import tracemalloc
 from collections.abc import Iterator
 from contextlib import contextmanager
 from itertools import islice
+from typing import Any
 
 import pytest
 from peers import (
@@ -40,6 +42,7 @@ from rtgen.runtime.opaque_rpc import (
     TcpChannel,
     TcpServer,
     serve_message,
+    tcp_server,
 )
 
 LONG, SHORT = 20.0, 0.1
@@ -360,6 +363,20 @@ def test_closing_a_server_that_waits(connected: bool) -> None:
 def test_a_server_is_closed_before_it_serves() -> None:
     server = TcpServer(Board())
     server.close()
+    server.serve_forever()
+
+
+def test_a_server_is_closed_when_it_is_about_to_wait(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    server = TcpServer(Board())
+
+    class Late(selectors.DefaultSelector):
+        def register(self, *args: Any) -> selectors.SelectorKey:
+            server.close()
+            return super().register(*args)
+
+    monkeypatch.setattr(tcp_server.selectors, "DefaultSelector", Late)
     server.serve_forever()
 
 

@@ -62,7 +62,8 @@ config = SimulatedMotorBoardConfiguration()
 board = MotorBoard(config, start_of(config), lambda: 0, print)
 with TcpServer(MotorBoardUnmarshaller(board, MotorBoardCodec())) as server:
     threading.Thread(target=server.serve_forever, daemon=True).start()
-    channel = TcpChannel(*server.address)
+    # The machine may be busy with other tests.
+    channel = TcpChannel(*server.address, timeout=120.0)
     assert MotorBoardProxy(channel).identify() == (0, "RH3 motor board, simulated")
     channel.close()
 
@@ -225,4 +226,5 @@ def test_generated_code_runs_with_the_runtime_alone(
         text=True,
         check=False,
     )
-    assert (done.stdout, done.stderr) == ("runs without a compiler\n", "")
+    printed = done.stdout, done.stderr
+    assert printed == ("runs without a compiler\n", ""), printed

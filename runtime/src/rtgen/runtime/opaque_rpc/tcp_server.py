@@ -163,7 +163,12 @@ class _Listener:
 
     def _wait(self) -> None:
         with selectors.DefaultSelector() as selector:
-            selector.register(self._listener, selectors.EVENT_READ)
+            try:
+                selector.register(self._listener, selectors.EVENT_READ)
+            except ValueError:
+                if not self.closed:
+                    raise
+                return  # another thread has released it
             while not selector.select(_POLL_INTERVAL) and not self.closed:
                 continue
 
