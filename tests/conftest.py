@@ -107,6 +107,7 @@ def _leave_to_nightly(items: Iterable[pytest.Item]) -> None:
         for index, item in enumerate(group):
             if index not in kept:
                 item.add_marker("nightly")
+                item.add_marker("left_out")
 
 
 def _turn(item: pytest.Item) -> tuple[bool, bool]:

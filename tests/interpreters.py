@@ -27,7 +27,7 @@ MONITORED = ("3.12", "3.13")
 PROCESSES = "2"
 """Number of parallel test processes."""
 
-SELECTED = "not slow and not peer and not random and (sampled or not nightly)"
+SELECTED = "not slow and not peer and not random and (left_out or not nightly)"
 """The markers of the tests that are tried on further interpreters: all cases of sampled ones."""
 
 ENVIRONMENTS = ROOT / "build" / "interpreters"
