@@ -34,7 +34,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test nightly dear codecs speed format lint types mypy pyright imports drift pytest waits peers test-openrtm interpreters interpreter interpreted lowest lock licences wheels release ui page pictures fuzz mutants soak bench clean
+.PHONY: demo gallery test nightly dear codecs speed sanitized format lint types mypy pyright imports drift pytest waits peers test-openrtm interpreters interpreter interpreted lowest lock licences wheels release ui page pictures fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -227,6 +227,11 @@ speed: $(VENV)/test.stamp
 	@mkdir -p build
 	@$(BIN)/python tests/speed.py > build/speed.log 2>&1 || \
 	    { tail -3 build/speed.log; echo "the tests of the codecs in C are skipped"; }
+
+# The codecs in C with the sanitizers of gcc, on changed octets of all types.
+sanitized: SECONDS ?= 60
+sanitized: $(VENV)/test.stamp
+	$(BIN)/python tests/sanitized.py --seconds $(SECONDS) $(if $(FIRST),--first $(FIRST))
 
 # The pictures of docs/ui.md.
 pictures: page

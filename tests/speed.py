@@ -26,25 +26,26 @@ FOLDER = ROOT / "build" / "speed"
 FILE = FOLDER / f"rtgen_speed{sysconfig.get_config_var('EXT_SUFFIX')}"
 
 
-def build() -> None:
+def build(file: Path = FILE, **environment: str) -> None:
     """Build the module unless it is newer than its sources.
 
-    Raises CalledProcessError without a compiler, and if the tools of a build cannot be had.
+    `environment` are variables of the build. Raises CalledProcessError without a compiler, and if
+    the tools of a build cannot be had.
     """
     sources = [SOURCE / "pyproject.toml", *(SOURCE / "src").iterdir()]
     newest = max(path.stat().st_mtime for path in sources)
-    if FILE.exists() and FILE.stat().st_mtime > newest:
+    if file.exists() and file.stat().st_mtime > newest:
         return
     with tempfile.TemporaryDirectory() as folder:
         copy = shutil.copytree(
             SOURCE, Path(folder, "source"), ignore=shutil.ignore_patterns("build")
         )
-        wheel = environments.build_wheel(copy, Path(folder, "wheels"))
+        wheel = environments.build_wheel(copy, Path(folder, "wheels"), **environment)
         with zipfile.ZipFile(wheel) as members:
-            FOLDER.mkdir(parents=True, exist_ok=True)
-            FILE.unlink(missing_ok=True)
-            members.extract(FILE.name, FOLDER)
-    FILE.touch()
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.unlink(missing_ok=True)
+            members.extract(file.name, file.parent)
+    file.touch()
 
 
 def module() -> ModuleType:

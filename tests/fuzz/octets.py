@@ -63,7 +63,7 @@ class OctetsTarget:
     def __init__(self, folder: Path) -> None:
         del folder
         found = chain.from_iterable(map(types, (*_reference(), *_constructs())))
-        self._encodings = list(chain.from_iterable(map(encodings, found)))
+        self.encodings = list(chain.from_iterable(map(encodings, found)))
 
     def make(self, number: int) -> bytes:
         """Return octets to decode as the type that the number selects."""
@@ -73,13 +73,16 @@ class OctetsTarget:
     def check(self, number: int, data: bytes) -> Iterator[str]:
         """Decode the octets, and variants of them."""
         chance = Random(number)
-        encoding = chance.choice(self._encodings)
+        encoding = chance.choice(self.encodings)
         yield _tried(encoding, data)
-        yield from explore(encoding, chance, _CHANGES)
+        for _, outcome in explore(encoding, chance, _CHANGES):
+            yield outcome
 
 
-def explore(encoding: Encoding, chance: Random, changes: int) -> Iterator[str]:
-    """Decode variants of the encoding of the type's least value.
+def explore(
+    encoding: Encoding, chance: Random, changes: int
+) -> Iterator[tuple[bytes, str]]:
+    """Decode variants of the encoding of the type's least value; yield each with its outcome.
 
     Octets that decode are the start of the next change, so that values become deep.
     """
@@ -89,7 +92,7 @@ def explore(encoding: Encoding, chance: Random, changes: int) -> Iterator[str]:
         outcome = _tried(encoding, altered)
         if outcome.endswith("value"):
             octets = altered
-        yield outcome
+        yield altered, outcome
 
 
 def _tried(encoding: Encoding, data: bytes) -> str:
