@@ -14,11 +14,12 @@ import zipfile
 from pathlib import Path
 
 import pytest
-from environments import build_wheel
+from environments import UV, build_wheel
 
 from rtgen.compiler.backends.kit.rendering import template_names
 from rtgen.compiler.diagnostics.explain import rules
 from rtgen.compiler.kit.resources import RH3_FILES, RH3_FOLDER
+from rtgen.facts.version import __version__
 
 ROOT = Path(__file__).parents[3]
 BUILT_FROM = (
@@ -228,3 +229,27 @@ def test_generated_code_runs_with_the_runtime_alone(
     )
     printed = done.stdout, done.stderr
     assert printed == ("runs without a compiler\n", ""), printed
+
+
+def test_the_source_of_the_codecs_in_c_is_whole(runtime: Path, tmp_path: Path) -> None:
+    if not UV.exists() or shutil.which("cc") is None:
+        pytest.skip("uv, or a compiler, is missing")
+    copy = shutil.copytree(
+        ROOT / "speed", tmp_path / "speed", ignore=shutil.ignore_patterns("build")
+    )
+    # uv builds the source distribution, and the wheel from it.
+    built = [UV, "build", "--quiet", "--out-dir", tmp_path / "dist", copy]
+    subprocess.run(built, check=True)
+    [source] = (tmp_path / "dist").glob("*.tar.gz")
+    [wheel] = (tmp_path / "dist").glob("*.whl")
+    assert source.name == f"rtgen_speed-{__version__}.tar.gz"
+    python, pip = environment(tmp_path)
+    subprocess.run([*pip, "install", "--quiet", str(runtime), str(wheel)], check=True)
+    tried = subprocess.run(
+        [python, ROOT / "speed" / "try.py"],
+        cwd=tmp_path,
+        capture_output=True,
+        text=True,
+        check=False,
+    )
+    assert re.fullmatch(r"\d+ types in C\n", tried.stdout), tried.stderr
