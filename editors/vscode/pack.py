@@ -1,25 +1,30 @@
-"""Packs the extension: python pack.py FILE.vsix
+"""Packs the extension, after `npm install` and `npm run bundle`.
 
-A .vsix is a zip with a manifest beside the files of the extension. The same files give the same
-octets; modules that `npm install` has fetched are packed with them.
+A .vsix is a zip with a manifest beside the files of the extension. The bundle has the code of the
+modules; their licences are packed as one file. The same files give the same octets.
 """
 
 from __future__ import annotations
 
+import argparse
 import json
-import sys
 from pathlib import Path
 from xml.sax.saxutils import quoteattr
 from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 FOLDER = Path(__file__).resolve().parent
-_LEFT_OUT = {"pack.py", "package-lock.json", ".gitignore"}
+_PACKED = (
+    *("package.json", "README.md", "icon.png", "dist/extension.js"),
+    *("*-configuration.json", "syntaxes/*.json", "snippets/*.json"),
+)
+_LICENCE = FOLDER.parents[1] / "LICENSE"
 _DATE = (1980, 1, 1, 0, 0, 0)
 _TYPES = """<?xml version="1.0" encoding="utf-8"?>
 <Types xmlns="http://schemas.openxmlformats.org/package/2006/content-types">
   <Default Extension="json" ContentType="application/json"/>
   <Default Extension="js" ContentType="application/javascript"/>
   <Default Extension="md" ContentType="text/markdown"/>
+  <Default Extension="png" ContentType="image/png"/>
   <Default Extension="txt" ContentType="text/plain"/>
   <Default Extension="vsixmanifest" ContentType="text/xml"/>
 </Types>
@@ -42,6 +47,10 @@ _MANIFEST = """<?xml version="1.0" encoding="utf-8"?>
   <Assets>
     <Asset Type="Microsoft.VisualStudio.Code.Manifest" Path="extension/package.json"
       Addressable="true"/>
+    <Asset Type="Microsoft.VisualStudio.Services.Icons.Default" Path="extension/icon.png"
+      Addressable="true"/>
+    <Asset Type="Microsoft.VisualStudio.Services.Content.License"
+      Path="extension/LICENSE.txt" Addressable="true"/>
     <Asset Type="Microsoft.VisualStudio.Services.Content.Details" Path="extension/README.md"
       Addressable="true"/>
   </Assets>
@@ -66,27 +75,44 @@ def manifest(package: dict[str, object]) -> str:
     )
 
 
-def files() -> list[Path]:
-    """The files of the extension, in order."""
-    found = (path for path in FOLDER.rglob("*") if path.is_file())
-    return sorted(
-        path
-        for path in found
-        if path.name not in _LEFT_OUT
-        and path.suffix not in (".vsix", ".pyc")
-        and "__pycache__" not in path.parts
-    )
+def files(folder: Path) -> list[Path]:
+    """The files of the extension in a folder, in order."""
+    return sorted(path for pattern in _PACKED for path in folder.glob(pattern))
 
 
-def pack(target: Path) -> None:
-    """Write the package."""
-    package = json.loads((FOLDER / "package.json").read_text(encoding="utf-8"))
+def licences(folder: Path) -> str:
+    """The licences of the modules that the bundle contains."""
+    modules = json.loads((folder / "package-lock.json").read_text("utf-8"))["packages"]
+    texts = []
+    for place, module in sorted(modules.items()):
+        if not place or module.get("dev"):
+            continue
+        names = sorted((folder / place).glob("[Ll][Ii][Cc][Ee][Nn][CcSs][Ee]*"))
+        text = names[0].read_text("utf-8") if names else module.get("license", "")
+        texts.append(
+            f"{place.rpartition('node_modules/')[2]} {module['version']}\n\n{text}"
+        )
+    return "\n\n".join(texts)
+
+
+def pack(target: Path, folder: Path = FOLDER) -> None:
+    """Write the package of the extension in a folder.
+
+    Raises FileNotFoundError if the bundle has not been made.
+    """
+    if not (folder / "dist" / "extension.js").is_file():
+        raise FileNotFoundError(
+            "dist/extension.js is missing: npm install, npm run bundle"
+        )
+    package = json.loads((folder / "package.json").read_text(encoding="utf-8"))
     contents = {
         "[Content_Types].xml": _TYPES.encode(),
         "extension.vsixmanifest": manifest(package).encode(),
+        "extension/LICENSE.txt": _LICENCE.read_bytes(),
+        "extension/LICENSES-of-modules.txt": licences(folder).encode(),
         **{
-            f"extension/{path.relative_to(FOLDER).as_posix()}": path.read_bytes()
-            for path in files()
+            f"extension/{path.relative_to(folder).as_posix()}": path.read_bytes()
+            for path in files(folder)
         },
     }
     with ZipFile(target, "w", ZIP_DEFLATED) as archive:
@@ -96,5 +122,18 @@ def pack(target: Path) -> None:
             archive.writestr(entry, data)
 
 
+def main() -> None:
+    """Pack the file that the command line names."""
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("target", metavar="FILE.vsix", type=Path)
+    target = parser.parse_args().target
+    if target.suffix != ".vsix":
+        parser.error(f"{target}: a package ends in .vsix")
+    try:
+        pack(target)
+    except FileNotFoundError as error:
+        parser.error(str(error))
+
+
 if __name__ == "__main__":
-    pack(Path(sys.argv[1]))
+    main()
