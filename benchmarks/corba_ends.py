@@ -30,8 +30,10 @@ module Bare {
   struct Point2D { double x; double y; };
   struct Pose2D { Point2D position; double heading; };
   struct TimedPose2D { Time tm; Pose2D data; };
+  struct TimedLong { Time tm; long data; };
   struct TimedOctetSeq { Time tm; sequence<octet> data; };
   interface Sink {
+    void TimedLong(in Bare::TimedLong value);
     void TimedPose2D(in Bare::TimedPose2D value);
     void TimedOctetSeq(in Bare::TimedOctetSeq value);
   };
@@ -68,7 +70,7 @@ class CorbaEnds:
             def take(self, value: Any) -> None:
                 taken(value)
 
-            TimedPose2D = TimedOctetSeq = take
+            TimedLong = TimedPose2D = TimedOctetSeq = take
 
         servant = Sink()
         poa = self._orb.poa
@@ -146,8 +148,8 @@ def _stubs(name: str) -> Any:
 
 def _made(classes: Any, value: Any) -> Any:
     tm = classes.Time(value.tm.sec, value.tm.nsec)
-    if type(value).__name__ == "TimedOctetSeq":
-        return classes.TimedOctetSeq(tm, value.data)
+    if type(value).__name__ in ("TimedLong", "TimedOctetSeq"):
+        return getattr(classes, type(value).__name__)(tm, value.data)
     place = value.data.position
     pose = classes.Pose2D(classes.Point2D(place.x, place.y), value.data.heading)
     return classes.TimedPose2D(tm, pose)
