@@ -24,11 +24,11 @@ from collections.abc import Callable, Iterator
 from contextlib import ExitStack, contextmanager
 
 import can
+from tables import Arguments, Results
 
 from rtgen.runtime.canopen.bus.python_can import BusAddress, OpenBus, open_bus
 from rtgen.runtime.canopen.wire.frames import Frame
 
-ROUNDS = 9
 TRIPS = 400
 FRAMES = 10_000
 HOST = "127.0.0.1"
@@ -206,16 +206,16 @@ def virtual_echo(bus: can.BusABC) -> None:
             bus.send(message)
 
 
-def median_of(cases: dict[str, Callable[[], float]]) -> dict[str, float]:
+def median_of(cases: dict[str, Callable[[], float]], rounds: int) -> dict[str, float]:
     """Return the median of each case; rounds are interleaved."""
     found: dict[str, list[float]] = {name: [] for name in cases}
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         for name, case in cases.items():
             found[name].append(case())
     return {name: statistics.median(values) for name, values in found.items()}
 
 
-def main() -> None:
+def main(results: Results, rounds: int) -> None:
     """Print both tables."""
     logging.getLogger("can").setLevel(logging.CRITICAL)
     if sys.platform == "linux":
@@ -255,7 +255,8 @@ def main() -> None:
                 "hub, python-can": lambda: over_the_hub(trip),
                 "TCP ping-pong": lambda: over_tcp(tcp),
                 "virtual, a thread": lambda: over_the_hub(near),
-            }
+            },
+            rounds,
         )
         rates = median_of(
             {
@@ -264,23 +265,29 @@ def main() -> None:
                 "virtual": lambda: by_python_can(
                     listener, lambda count: virtual_flood(sender, count)
                 ),
-            }
+            },
+            rounds,
         )
         reader.close()
         bus = stack.enter_context(bus_of(port, "flood"))
         time.sleep(0.1)
-        rates |= median_of({"hub, python-can": lambda: by_python_can(bus, flood_hub)})
-    print("round trip                   us   ratio to TCP")
+        last = {"hub, python-can": lambda: by_python_can(bus, flood_hub)}
+        rates |= median_of(last, rounds)
+    columns = ("round trip [µs]", ".0f"), ("ratio to TCP", ".2f")
+    table = results.table("trips", "way", *columns)
     for name, seconds in trips.items():
-        ratio = seconds / trips["TCP ping-pong"]
-        print(f"{name:<24} {seconds * 1e6:>7.0f}   {ratio:.2f}")
-    print("one way             frames/s   ratio to python-can without a hub")
+        table.add(name, seconds * 1e6, seconds / trips["TCP ping-pong"])
+    columns = ("frames/s", ",.0f"), ("ratio to python-can without a hub", ".2f")
+    table = results.table("frames", "way", *columns)
     for name, rate in rates.items():
-        print(f"{name:<20} {rate:>7.0f}   {rate / rates['no hub, python-can']:.2f}")
+        table.add(name, rate, rate / rates["no hub, python-can"])
 
 
 if __name__ == "__main__":
-    if len(sys.argv) > 1:
+    if sys.argv[1:2] and sys.argv[1] in PROGRAMS:
         PROGRAMS[sys.argv[1]](*map(int, sys.argv[2:]))
     else:
-        main()
+        with Results(
+            __file__, chosen := Arguments(__doc__, rounds=9).parse_args()
+        ) as r:
+            main(r, chosen.rounds)

@@ -1,6 +1,6 @@
 """Simulation of a full CANopen bus: 126 slaves and the manager, 1 Mbit/s, SYNC each 100 ms.
 
-    python benchmarks/can_network.py [SECONDS]
+    python benchmarks/can_network.py [--seconds S]
 
 Every slave sends a PDO at each SYNC and receives that of another slave; heartbeats are each second.
 The output is simulated seconds for each second of processor time, for booting and for running.
@@ -12,6 +12,8 @@ import sys
 import time
 from pathlib import Path
 
+from tables import Arguments, Results
+
 sys.path.insert(0, str(Path(__file__).parents[1] / "tests/runtime/canopen"))
 
 from full_network import FullNetwork
@@ -22,22 +24,32 @@ BOOTED = 3.0
 
 def main() -> None:
     """Run for the given time, by default a minute."""
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 60.0
+    parser = Arguments(__doc__, rounds=1)
+    parser.add_argument("--seconds", type=float, default=60.0)
+    chosen = parser.parse_args()
+    if chosen.smallest:
+        chosen.seconds = 0.1
     network = FullNetwork()
-    print(f"{'':10}{'simulated [s]':>14}{'frames':>10}{'ratio':>8}{'us/frame':>10}")
     before = 0
-    for name, start, end in (
-        ("boot", 0.0, BOOTED),
-        ("run", BOOTED, BOOTED + seconds),
-    ):
-        begin = time.process_time()
-        network.run(end)
-        taken = time.process_time() - begin
-        frames, before = network.collector.frames - before, network.collector.frames
-        print(
-            f"{name:10}{end - start:14.1f}{frames:10}{(end - start) / taken:8.1f}"
-            f"{taken / frames * 1e6:10.1f}"
+    with Results(__file__, chosen) as results:
+        table = results.table(
+            "bus",
+            "126 slaves",
+            ("simulated [s]", ".1f"),
+            ("frames", ",d"),
+            ("times real time", ".1f"),
+            ("a frame [µs]", ".1f"),
         )
+        for name, start, end in (
+            ("boot", 0.0, BOOTED),
+            ("run", BOOTED, BOOTED + chosen.seconds),
+        ):
+            begin = time.process_time()
+            network.run(end)
+            taken = time.process_time() - begin
+            frames, before = network.collector.frames - before, network.collector.frames
+            ratio = (end - start) / taken
+            table.add(name, end - start, frames, ratio, taken / frames * 1e6)
     print(f"lost or doubled samples: {network.lost_or_doubled()}")
 
 

@@ -17,7 +17,8 @@ import tempfile
 from collections.abc import Iterator, Sequence
 from pathlib import Path
 
-ROUNDS = 5
+from tables import Arguments, Results
+
 SIGNATURES, FUNCTIONS = 300, 20
 LIMIT = 0.5
 """Maximum ratio to tecsgen's processor time."""
@@ -87,30 +88,40 @@ def processor_time(command: Sequence[str], folder: Path) -> float:
 
 def main() -> int:
     """Print the times; return 1 if rtgen exceeds the limit for the first file."""
+    chosen = Arguments(__doc__, rounds=5).parse_args()
     tecsgen = os.environ.get("RTGEN_TECSGEN") or shutil.which("tecsgen")
     rtgen = str(Path(sys.executable).with_name("rtgen"))
     commands = {"rtgen": [rtgen, "inspect", "--no-cache", "big.cdl"]}
-    if tecsgen is not None:
+    if tecsgen is None:
+        print("tecsgen is missing")
+    else:
         commands["tecsgen"] = [tecsgen, "-g", "gen", "big.cdl"]
     missed = False
-    for shape, lines in SHAPES.items():
-        best = dict.fromkeys(commands, float("inf"))
-        with tempfile.TemporaryDirectory() as name:
-            folder = Path(name)
-            text = "\n".join(lines())
-            (folder / "big.cdl").write_text(text, encoding="utf-8")
-            for _ in range(ROUNDS):
-                for tool, command in commands.items():
-                    best[tool] = min(best[tool], processor_time(command, folder))
-        print(f"{shape}, {text.count(chr(10)) + 1:,} lines, processor time")
-        for tool, seconds in best.items():
-            print(f"  {tool:8} {seconds:6.2f} s")
-        if tecsgen is None:
-            print("  tecsgen is missing")
-            continue
-        share = best["rtgen"] / best["tecsgen"]
-        print(f"  share    {share:6.2f}, at most {LIMIT}")
-        missed |= shape == "signatures" and share > LIMIT
+    with Results(__file__, chosen) as results:
+        table = results.table(
+            "files",
+            "file",
+            ("lines", ",d"),
+            ("rtgen [s]", ".2f"),
+            ("tecsgen [s]", ".2f"),
+            ("ratio", ".2f"),
+            ("limit", ".1f"),
+        )
+        for shape, lines in SHAPES.items():
+            best = dict.fromkeys(commands, float("inf"))
+            with tempfile.TemporaryDirectory() as name:
+                folder = Path(name)
+                text = "\n".join(lines())
+                (folder / "big.cdl").write_text(text, encoding="utf-8")
+                for _ in range(chosen.rounds):
+                    for tool, command in commands.items():
+                        seconds = processor_time(command, folder)
+                        best[tool] = min(best[tool], seconds)
+            theirs = best.get("tecsgen")
+            share = None if theirs is None else best["rtgen"] / theirs
+            number = text.count("\n") + 1
+            table.add(shape, number, best["rtgen"], theirs, share, LIMIT)
+            missed |= shape == "signatures" and share is not None and share > LIMIT
     return int(missed)
 
 

@@ -30,6 +30,7 @@ from cdr_peers import (
     omniorb_type,
     omniorb_value,
 )
+from tables import Arguments, Results, Table
 
 ROUNDS = 25
 SECONDS_PER_ROUND = 0.004
@@ -176,35 +177,46 @@ def least_times(tasks: list[Task], rounds: int = ROUNDS) -> list[float]:
     return [min(times) for times in samples]
 
 
-def report(all_cases: list[Case]) -> None:
-    encode = least_times([case.encode for case in all_cases])
-    decode = least_times([case.decode for case in all_cases])
+def report(table: Table, rounds: int, title: str, all_cases: list[Case]) -> None:
+    """Fill the table with the cases of a value."""
+    encode = least_times([case.encode for case in all_cases], rounds)
+    decode = least_times([case.decode for case in all_cases], rounds)
     base = 0
     for place, case in enumerate(all_cases):
         if case.name.startswith("rtgen"):
             base = place
-        texts = (
-            f"{times[place]:9.0f} ns {times[place] / times[base]:6.2f}"
-            for times in (encode, decode)
-        )
-        print(f"  {case.name:26}", *texts)
+        both = encode, decode
+        pairs = [(times[place], times[place] / times[base]) for times in both]
+        table.add(f"{title}, {case.name}", *(n for pair in pairs for n in pair))
 
 
 def main() -> None:
     """Print times and ratios (the other's time over rtgen's) for each value."""
-    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
+    parser = Arguments(__doc__, rounds=ROUNDS)
+    parser.add_argument("titles", nargs="*", help="parts of the titles of values")
+    chosen = parser.parse_args()
+    with (
+        Results(__file__, chosen) as results,
+        tempfile.TemporaryDirectory() as one,
+        tempfile.TemporaryDirectory() as two,
+    ):
         types = generated(Path(one))
         load_omniorb(Path(two), OWN)
         found = list(values(types))
         cyclone = CycloneDds()
         protobuf = Protobuf([type(value)._descriptor_ for _, value in found])
-        print("encode and decode: time, and its ratio to that of rtgen's line above")
-        wanted = sys.argv[1:]
-        for title, value in found:
-            if wanted and not any(word in title for word in wanted):
+        table = results.table(
+            "small",
+            "value",
+            ("encode [ns]", ".0f"),
+            ("ratio", ".2f"),
+            ("decode [ns]", ".0f"),
+            ("ratio", ".2f"),
+        )
+        for title, value in found[:1] if chosen.smallest else found:
+            if chosen.titles and not any(word in title for word in chosen.titles):
                 continue
-            print(title)
-            report(cases(value, cyclone, protobuf))
+            report(table, chosen.rounds, title, cases(value, cyclone, protobuf))
 
 
 if __name__ == "__main__":

@@ -22,7 +22,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
-from rpc import PAIRS, compared, ratio, shown
+from rpc import COLUMNS, PAIRS, add, compared, ratio
+from tables import Arguments, Results, Table
 
 LIMIT = 1.5
 """Maximum ratio to a call by omniidl's stubs."""
@@ -134,6 +135,7 @@ def cases(side: Any, corba: Any, node: bool) -> dict[str, tuple[str, tuple[Any, 
 
 def main() -> int:
     """Print the figures; return 1 if a limit is exceeded."""
+    chosen = Arguments(__doc__, rounds=PAIRS).parse_args()
     try:
         from rtgen.runtime.corba.name_server import NameServer
     except ImportError as error:
@@ -141,7 +143,12 @@ def main() -> int:
         return 0
     if sys.platform == "linux":
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-    with tempfile.TemporaryDirectory() as name, NameServer() as names:
+    with (
+        Results(__file__, chosen) as results,
+        tempfile.TemporaryDirectory() as name,
+        NameServer() as names,
+    ):
+        table = results.table("calls", "a call", *COLUMNS)
         folder = Path(name)
         prepare(folder)
         command = [sys.executable, __file__, str(folder), names.address]
@@ -151,13 +158,17 @@ def main() -> int:
             assert process.stdin is not None
             assert process.stdout is not None
             try:
-                return measured(folder, names.address, process.stdout.readline())
+                reference = process.stdout.readline()
+                slow = measured(table, folder, names.address, reference, chosen.rounds)
+                return int(slow and not chosen.smallest)
             finally:
                 process.stdin.close()
 
 
-def measured(folder: Path, names: str, reference: str) -> int:
-    """Measure all cases on both sides; return 1 if a limit is exceeded."""
+def measured(
+    table: Table, folder: Path, names: str, reference: str, pairs: int
+) -> bool:
+    """Measure all cases on both sides; return whether a limit is exceeded."""
     slow = False
     with system(folder, names, "Client") as (running, node, transport):
         running.connect(("Client0", "calls"), ("Server0", "calls"))
@@ -173,23 +184,14 @@ def measured(folder: Path, names: str, reference: str) -> int:
                 cases(importlib.import_module("ours.bench"), corba, True),
             ),
         )
-        print(
-            f"{'us for a call':<28} {'mean':>9} {'median':>9} {'99 %':>9} {'stdev':>9}"
-        )
-        lines = []
         for case in sides[0][1]:
             calls = [bound(stub, *known[case]) for stub, known in sides]
-            times, ours = compared(calls[0], calls[1], PAIRS)
-            print(shown(f"{case}, omniidl's stub", times))
-            print(shown("  rtgen", ours))
+            times, ours = compared(calls[0], calls[1], pairs)
             value = ratio(times, ours)
-            too_slow = value > LIMIT
-            slow = slow or too_slow
-            lines.append(
-                f"{value:6.3f} times omniidl's stub: {case}{'  TOO SLOW' * too_slow}"
-            )
-        print("\n".join(lines))
-    return int(slow)
+            add(table, f"{case}, omniidl's stub", times)
+            add(table, f"{case}, rtgen", ours, value, LIMIT)
+            slow |= value > LIMIT
+    return slow
 
 
 def bound(
@@ -201,7 +203,7 @@ def bound(
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 3:
+    if len(sys.argv) == 3 and Path(sys.argv[1]).is_dir():
         serve(Path(sys.argv[1]), sys.argv[2])
     else:
         sys.exit(main())

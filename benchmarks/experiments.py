@@ -12,9 +12,11 @@ import sys
 import time
 from pathlib import Path
 
+from tables import Arguments, Results
+
 from rtgen import runtime
 from rtgen.compiler.project import load
-from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems import conditions, timeline
 from rtgen.compiler.systems.reading import read_file
 from rtgen.tools.running.assembly import assemble
 from rtgen.tools.running.factories import Factories
@@ -23,7 +25,6 @@ ROOT = Path(__file__).resolve().parent.parent
 EXPERIMENTS = Path("specs/experiments")
 NAMES = ("interchange", "two_robots", "chain", "leader_exchange", "one_to_four")
 BOUND = 50.0
-ROUNDS = 3
 
 
 def ratio(name: str) -> tuple[float, float]:
@@ -34,7 +35,7 @@ def ratio(name: str) -> tuple[float, float]:
         raise SystemExit("\n".join(d.message for d in diagnostics))
     plan = timeline.load(folder / "timeline.toml", profile)
     text = dict(profile.properties)["rtgen.run.until"]
-    end = timeline.condition(text, profile, None).limit
+    end = conditions.condition(text, profile, None).limit
     assert end is not None
     factories = Factories(load())
     clock = runtime.SimulatedClock()
@@ -48,14 +49,17 @@ def ratio(name: str) -> tuple[float, float]:
 
 def main() -> None:
     """Print the ratios; exit with 1 if one is below the bound."""
+    chosen = Arguments(__doc__, rounds=3).parse_args()
     os.chdir(ROOT)
     slow = False
-    print(f"{'experiment':16}{'simulated [s]':>14}{'ratio':>8}  (bound {BOUND:g})")
-    for name in NAMES:
-        runs = [ratio(name) for _ in range(ROUNDS)]
-        best = max(found for _, found in runs)
-        slow |= best < BOUND
-        print(f"{name:16}{runs[0][0]:14.0f}{best:8.0f}")
+    with Results(__file__, chosen) as results:
+        columns = ("simulated [s]", ".0f"), ("times real time", ".0f")
+        table = results.table("ratios", f"experiment (at least {BOUND:g})", *columns)
+        for name in NAMES[:1] if chosen.smallest else NAMES:
+            runs = [ratio(name) for _ in range(chosen.rounds)]
+            best = max(found for _, found in runs)
+            slow |= best < BOUND
+            table.add(name, runs[0][0], best)
     sys.exit(slow)
 
 

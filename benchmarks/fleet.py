@@ -16,8 +16,9 @@ import subprocess
 import sys
 import time
 from contextlib import ExitStack
-from math import nan
 from pathlib import Path
+
+from tables import Arguments, Results, Table
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
@@ -175,15 +176,12 @@ def ended(process: subprocess.Popen[str]) -> None:
         process.communicate()
 
 
-def constants(name: str) -> Constants:
-    """Measure an engine, print the figures, and fit the constants."""
+def constants(table: Table, name: str) -> Constants:
+    """Measure an engine, add the figures, and fit the constants."""
     rows = {count: measured(name, count) for count in (*FITTED, CHECKED)}
-    print(f"\n{name}: processes, KiB to join, KiB/s idle, MiB and % processor of one")
     for count, row in rows.items():
-        print(
-            f"{count:4} {row['joined'] / 1024:9.0f} {row['idle'] / 1024:9.2f}"
-            f" {row['memory']:7.0f} {100 * row['processor']:7.2f}"
-        )
+        traffic = row["joined"] / 1024, row["idle"] / 1024
+        table.add(f"{name}, {count}", *traffic, row["memory"], row["processor"])
     found = {
         key: fitted([(n, rows[n][key]) for n in FITTED]) for key in ("joined", "idle")
     }
@@ -199,11 +197,8 @@ def constants(name: str) -> Constants:
     return Constants(*found["joined"], *found["idle"], least, growth)
 
 
-def printed(fleets: tuple[int, ...], found: dict[str, Constants]) -> None:
-    """Print the table of fleets."""
-    print(
-        "\nrobots of 3 processes: MiB to join, KiB/s idle, sessions and MiB of the busiest"
-    )
+def fill(table: Table, fleets: tuple[int, ...], found: dict[str, Constants]) -> None:
+    """Fill the table of fleets."""
     for robots in fleets:
         fleet = Fleet(robots)
         rows = []
@@ -224,16 +219,40 @@ def printed(fleets: tuple[int, ...], found: dict[str, Constants]) -> None:
                     )
                 )
         for title, load, note in rows:
-            print(
-                f"{robots:7} {title:32} {load.joined / 2**20:14,.1f} {load.idle / 1024:16,.1f}"
-                f" {load.most_sessions:9,} {load.most_memory or nan:9,.0f}{note}"
-            )
+            traffic = load.joined / 2**20, load.idle / 1024
+            most = load.most_sessions, load.most_memory
+            table.add(f"{robots:,}, {title}{note}", *traffic, *most)
+
+
+def main() -> None:
+    """Print the tables of the engines and of fleets."""
+    parser = Arguments(__doc__, rounds=1)
+    parser.add_argument("engines", nargs="*")
+    chosen = parser.parse_args()
+    names = ("zenoh",) if chosen.smallest else chosen.engines or ENGINES
+    with Results(__file__, chosen) as results:
+        table = results.table(
+            "engines",
+            "engine, processes",
+            ("to join [KiB]", ",.0f"),
+            ("idle [KiB/s]", ",.2f"),
+            ("memory of one [MiB]", ".0f"),
+            ("of a processor", ".2%"),
+        )
+        found = {name: constants(table, name) for name in names}
+        table = results.table(
+            "fleets",
+            "robots of 3 processes",
+            ("to join [MiB]", ",.1f"),
+            ("idle [KiB/s]", ",.1f"),
+            ("sessions of the busiest", ",d"),
+            ("its memory [MiB]", ",.0f"),
+        )
+        fill(table, (10, 1_000, 100_000), found)
 
 
 if __name__ == "__main__":
     if sys.argv[1:2] == ["--serve"]:
         serve(sys.argv[2], int(sys.argv[3]), int(sys.argv[4]))
     else:
-        printed(
-            (10, 1_000, 100_000), {n: constants(n) for n in sys.argv[1:] or ENGINES}
-        )
+        main()

@@ -1,6 +1,6 @@
 """Floods of requests from outside during a run in real time, beside a run without.
 
-    python benchmarks/floods.py [SECONDS] [KIND...]
+    python benchmarks/floods.py [--seconds S] [KIND...]
 
 A system with components of 1 kHz behind `rtgen ui`, Foxglove's server, remote control over Zenoh,
 or CORBA; clients in processes of their own that send as fast as they are answered or their requests
@@ -23,6 +23,8 @@ from contextlib import AbstractContextManager, contextmanager, suppress
 from pathlib import Path
 from socket import create_connection, socket
 from typing import Any, NamedTuple
+
+from tables import Arguments, Results
 
 ROOT = Path(__file__).resolve().parents[1]
 sys.path[:0] = [
@@ -187,8 +189,8 @@ class Gaps:
 @contextmanager
 def served() -> Iterator[tuple[Callable[[bool], str], Gaps]]:
     """Run the system behind a server; yield its addresses, by whether they give full rights."""
-    from rtgen.cli.ui import CommandProject
     from rtgen.tools.kit.console import Console
+    from rtgen.ui.project_systems import CommandProject
     from rtgen.ui.serving import Server
     from rtgen.ui.session import Session
 
@@ -278,30 +280,43 @@ def measure(kind: str, clients: int, seconds: float) -> dict[str, Any]:
     return row
 
 
-def main() -> int:
+def main() -> None:
     """Print a row for each kind and number of clients, each beside its control."""
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 5.0
-    kinds = sys.argv[2:] or [*KINDS, *OTHERS]
-    print(
-        f"{'flood':20}{'clients':>8}{'ticks/s':>9}{'control':>9}{'part':>7}"
-        f"{'longest gap':>13}{'control':>9}{'deactivate':>12}{'control':>9}"
-        f"{'refused':>9}{'answers/s':>11}"
-    )
-    for kind in kinds:
-        for clients in (1, 4):
-            control = measure(kind, 0, seconds)
-            found = measure(kind, clients, seconds)
-            print(
-                f"{kind:20}{clients:8}{found['rate']:9.0f}{control['rate']:9.0f}"
-                f"{found['rate'] / control['rate']:7.2f}"
-                f"{1e3 * found['longest']:10.0f} ms{1e3 * control['longest']:6.0f} ms"
-                f"{1e3 * found['deactivate']:9.0f} ms"
-                f"{1e3 * control['deactivate']:6.0f} ms"
-                f"{found['refused']:9}{found['answers'] / seconds:11.0f}",
-                flush=True,
-            )
-    return 0
+    parser = Arguments(__doc__, rounds=1)
+    parser.add_argument("--seconds", type=float, default=5.0)
+    parser.add_argument("kinds", nargs="*")
+    chosen = parser.parse_args()
+    kinds = chosen.kinds or [*KINDS, *OTHERS]
+    if chosen.smallest:
+        kinds, chosen.seconds = kinds[:1], 0.5
+    with Results(__file__, chosen) as results:
+        table = results.table(
+            "floods",
+            "flood, clients",
+            ("ticks/s", ".0f"),
+            ("control", ".0f"),
+            ("part", ".2f"),
+            ("longest gap [ms]", ".0f"),
+            ("control [ms]", ".0f"),
+            ("deactivate [ms]", ".0f"),
+            ("control [ms]", ".0f"),
+            ("refused", ",d"),
+            ("answers/s", ",.0f"),
+        )
+        for kind in kinds:
+            for clients in (1,) if chosen.smallest else (1, 4):
+                control = measure(kind, 0, chosen.seconds)
+                found = measure(kind, clients, chosen.seconds)
+                pairs = [
+                    1e3 * each[key]
+                    for key in ("longest", "deactivate")
+                    for each in (found, control)
+                ]
+                rates = found["rate"], control["rate"], found["rate"] / control["rate"]
+                answers = found["answers"] / chosen.seconds
+                title = f"{kind}, {clients}"
+                table.add(title, *rates, *pairs, found["refused"], answers)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

@@ -4,9 +4,9 @@ python hops_ends.py KIND PROCESS HOPS SECONDS ADDRESS
 
 Part 0 sends samples at 100 Hz; each further part is in the other process than the one before, and
 passes on what it receives. The last one, which is in the first process, takes the time. KIND is
-`rtgen`, `dds`, `zenoh`, `corba` or `rclpy`. A process prints `open` when others can join it, and
-`ready` when it is connected; it waits for a line, and writes its figures as JSON: processor time
-[s], and the latencies [us] of the first process. The other one measures until its second line.
+`rtgen`, `engine`, `dds`, `zenoh`, `corba` or `rclpy`. A process prints `open` when others can join
+it, and `ready` when it is connected; it waits for a line, and writes its figures as JSON: processor
+time [s], and the latencies [us] of the first process. The other one measures until its second line.
 """
 
 from __future__ import annotations
@@ -48,6 +48,48 @@ class Ends:
     def is_connected(self) -> bool:
         """Whether all readers are known."""
         return True
+
+
+class Engine(Ends):
+    """Publishers and subscriptions of rtgen, without components."""
+
+    def __init__(self, process: int, address: str) -> None:
+        from rtgen.runtime.distribution.medium import Qos
+
+        self._medium = medium_of(process, address)
+        self._qos = Qos(depth=64)
+        self._publishers: list[Any] = []
+        self._kept: list[Any] = []
+
+    def writer(self, number: int) -> Take:
+        from refrobots.rtc import Time, TimedLong
+        from rtgen.runtime.distribution.data import encoder
+
+        publisher = self._medium.publisher(_topic(number), self._qos)
+        self._publishers.append(publisher)
+        encode, publish = encoder(TimedLong), publisher.publish
+        return lambda stamp: publish(encode(TimedLong(Time(*divmod(stamp, NS)), 0)))
+
+    def read(self, number: int, take: Take) -> None:
+        from refrobots.rtc import TimedLong
+        from rtgen.runtime.distribution.data import received
+
+        def on_sample(sample: Any) -> None:
+            value = received(TimedLong, sample.octets)
+            take(value.tm.sec * NS + value.tm.nsec)
+
+        made = self._medium.subscribe(_topic(number), self._qos, on_sample)
+        self._kept.append(made)
+
+    def is_connected(self) -> bool:
+        return all(publisher.matched for publisher in self._publishers)
+
+
+def _topic(number: int) -> Any:
+    from refrobots.rtc import TimedLong
+    from rtgen.runtime.distribution.medium import Topic
+
+    return Topic(f"hop{number}", TimedLong)
 
 
 class Zenoh(Ends):
@@ -212,13 +254,17 @@ def medium_of(process: int, address: str) -> Any:
     """Return a medium of a process; the first one of Zenoh listens where the other connects."""
     from media import SYSTEM, medium_at
 
-    [(kind, (place, _))] = json.loads(address).items()
+    [(kind, place)] = json.loads(address).items()
+    if kind == "corba":
+        from corba_ends import CorbaEnds
+
+        return CorbaEnds(place)
     if kind != "zenoh" or process:
         return medium_at(address)
     from rtgen.runtime.zenoh.medium import ZenohMedium
     from rtgen.runtime.zenoh.session import Endpoints
 
-    return ZenohMedium(SYSTEM, Endpoints(None, (), (place,), None))
+    return ZenohMedium(SYSTEM, Endpoints(None, (), place[:1], None))
 
 
 def bare(ends: Ends, process: int, hops: int, latencies: list[float]) -> Iterator[None]:
@@ -306,7 +352,10 @@ def main(kind: str, process: int, hops: int, seconds: float, address: str) -> No
     if kind == "rtgen":
         steps = rtgen(address, process, hops, latencies)
     else:
-        classes = {"zenoh": Zenoh, "dds": Dds, "corba": Corba, "rclpy": Rclpy}
+        classes = {
+            "engine": Engine, "zenoh": Zenoh, "dds": Dds,
+            "corba": Corba, "rclpy": Rclpy,
+        }
         steps = bare(classes[kind](process, address), process, hops, latencies)
     next(steps)
     print("open", flush=True)

@@ -22,9 +22,9 @@ from pathlib import Path
 from typing import Any
 
 from idl_shapes import SHAPES, synthetic
+from tables import Arguments, Results, Table
 
 ROOT = Path(__file__).resolve().parent.parent
-ROUNDS = 5
 BIG = "synthetic.idl"
 SMALL = ("BasicDataType.idl", "ExtendedDataTypes.idl", "InterfaceDataTypes.idl")
 LIMITS = {"cold": 3.0, "cached": 1.0, "small": 10.0}
@@ -75,10 +75,10 @@ def cases(file: str, omniidl: str, folder: Path) -> dict[str, Case]:
     }
 
 
-def figures(measured: Mapping[str, Case]) -> dict[str, Figures]:
+def figures(measured: Mapping[str, Case], rounds: int) -> dict[str, Figures]:
     """Return the figures of interleaved rounds, after one that warms up."""
     found = {name: Figures() for name in measured}
-    for number in range(-1, ROUNDS):
+    for number in range(-1, rounds):
         for name, case in measured.items():
             elapsed, processor, peak = measure(*case())
             if number >= 0:
@@ -88,29 +88,23 @@ def figures(measured: Mapping[str, Case]) -> dict[str, Figures]:
     return found
 
 
-def tell(file: str, lines: int, found: Mapping[str, Figures]) -> None:
-    """Print the figures of a file."""
+def tell(table: Table, file: str, lines: int, found: Mapping[str, Figures]) -> None:
+    """Add the figures of a file."""
     base = found["omniidl"]
     for name, known in found.items():
         limit = LIMITS[name if file == BIG else "small"] if name != "omniidl" else None
         ratio = known.median / base.median
         processor = statistics.median(known.processor)
         processors = processor / statistics.median(base.processor)
-        told = (
-            "" if limit is None else f"  (limit {limit:g}{' MISSED' * (ratio > limit)})"
-        )
-        print(
-            f"{file:<24}{lines:>6}  {name:<8}{known.median:>8.3f} s{ratio:>6.2f} x"
-            f"{processor:>8.3f} s{processors:>6.2f} x{known.peak:>6.0f} MB{told}"
-        )
+        title = f"{file}, {lines:,} lines, {name}"
+        times = known.median, ratio, processor, processors
+        table.add(title, *times, known.peak, limit)
 
 
-def shapes(omniidl: str) -> None:
-    """Print the least processor times of `inspect` and `generate` for each shape."""
+def shapes(table: Table, omniidl: str, rounds: int, *, smallest: bool) -> None:
+    """Add the least processor times of `inspect` and `generate` for each shape."""
     rtgen = [sys.executable, "-m", "rtgen"]
-    print(f"\nno cache, least processor times\n{'':<16}{'lines':>7}", end="")
-    print("   inspect   -bdump            generate -bpython")
-    for name, made in SHAPES.items():
+    for name, made in [*SHAPES.items()][-1:] if smallest else SHAPES.items():
         texts = made()
         folder = Path(name.replace(" ", "_"))
         folder.mkdir()
@@ -134,19 +128,14 @@ def shapes(omniidl: str) -> None:
                     [omniidl, "-bpython", f"-C{o / 'python'}", f],
                     os.environ,
                 ),
-            }
+            },
+            rounds,
         )
         least = {key: min(each.processor) for key, each in found.items()}
-        print(f"{name:<16}{sum(t.count(chr(10)) for t in texts.values()):>7}", end="")
+        row: list[float] = [sum(text.count("\n") for text in texts.values())]
         for ours, theirs in (("inspect", "-bdump"), ("generate", "-bpython")):
-            ratio = least[ours] / least[theirs]
-            missed = file.endswith(BIG) and ratio > COLD_LIMITS[ours]
-            print(
-                f"{least[ours]:>8.3f} s{least[theirs]:>7.3f} s{ratio:>6.2f} x"
-                f"{' MISSED' * missed}",
-                end="",
-            )
-        print()
+            row += [least[ours], least[theirs], least[ours] / least[theirs]]
+        table.add(name, *row)
 
 
 def stages(file: Path) -> dict[str, float]:
@@ -190,7 +179,7 @@ def stages(file: Path) -> dict[str, float]:
         ("lex, parse, build tree", translation, "parse"),
         ("names", names.Resolver, "run"),
         ("types, lowering", lower.Lowering, "declaration"),
-        ("checks", checks, "run"),
+        ("checks", checks.Checker, "check"),
     ):
         setattr(owner, attribute, timed(name, getattr(owner, attribute)))
     gc.disable()
@@ -207,6 +196,7 @@ def stages(file: Path) -> dict[str, float]:
 
 def main() -> None:
     """Print times, ratios and the profile."""
+    chosen = Arguments(__doc__, rounds=5).parse_args()
     # Without bytecode most of a start would be Python's compiler.
     os.environ.pop("PYTHONDONTWRITEBYTECODE", None)
     omniidl = shutil.which(
@@ -214,20 +204,39 @@ def main() -> None:
     )
     if omniidl is None:
         raise SystemExit("omniidl: not found (pip install jeteve-omniorb)")
-    with tempfile.TemporaryDirectory() as temporary:
+    with (
+        Results(__file__, chosen) as results,
+        tempfile.TemporaryDirectory() as temporary,
+    ):
         folder = Path(temporary)
         os.chdir(folder)
         Path(BIG).write_text(synthetic(), encoding="utf-8")
         for name in SMALL:
             shutil.copy(ROOT / "specs" / "idl" / name, folder)
-        print(
-            f"Python {sys.version.split()[0]}, median of {ROUNDS}; wall, then processor time"
+        table = results.table(
+            "files",
+            "file",
+            ("elapsed [s]", ".3f"),
+            ("times omniidl", ".2f"),
+            ("processor time [s]", ".3f"),
+            ("times omniidl", ".2f"),
+            ("memory [MB]", ".0f"),
+            ("limit", "g"),
         )
-        for file in (*SMALL, BIG):
+        for file in SMALL[:1] if chosen.smallest else (*SMALL, BIG):
             lines = Path(file).read_text(encoding="utf-8").count("\n")
-            tell(file, lines, figures(cases(file, omniidl, folder)))
-        shapes(omniidl)
-        empty = figures({"": lambda: ([sys.executable, "-c", ""], os.environ)})[""]
+            measured = figures(cases(file, omniidl, folder), chosen.rounds)
+            tell(table, file, lines, measured)
+        table = results.table(
+            "shapes",
+            "file",
+            ("lines", ",d"),
+            *(("inspect [s]", ".3f"), ("-bdump [s]", ".3f"), ("ratio", ".2f")),
+            *(("generate [s]", ".3f"), ("-bpython [s]", ".3f"), ("ratio", ".2f")),
+        )
+        shapes(table, omniidl, chosen.rounds, smallest=chosen.smallest)
+        start = {"": lambda: ([sys.executable, "-c", ""], os.environ)}
+        empty = figures(start, chosen.rounds)[""]
         spent = {"start of Python": statistics.median(empty.processor)} | stages(
             Path(BIG)
         )

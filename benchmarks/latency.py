@@ -12,8 +12,9 @@ Figures are in microseconds: the median and the 99th percentile of the samples o
 the worst order, and the worst median by hop.
 
 In two processes, in turns, so that each hop is one between processes: components that samples
-execute over DDS, Zenoh and CORBA, and beside each the same by cyclonedds-python, zenoh-python and
-omniORBpy alone, and by rclpy (`hops_ends.py`). Latency and processor time of both processes are
+execute over DDS, Zenoh and CORBA; rtgen's publishers and subscriptions without components; and
+beside them the same by cyclonedds-python, zenoh-python and omniORBpy alone, and by rclpy
+(`hops_ends.py`). Latency and processor time of both processes are
 those of a hop. Rounds of all alternate, each in new processes; figures are medians of rounds.
 """
 
@@ -118,13 +119,14 @@ def _say(process: subprocess.Popen[str]) -> None:
 
 def in_two_processes(rclpy: list[Kind], chosen: Any, table: Table) -> None:
     """Fill the table of hops between two processes."""
-    [ours] = of_rtgen("rtgen")
+    ours, engine = of_rtgen("rtgen", "engine")
     cases = [
-        (f"{title} {engine}", kind, transport)
-        for transport, engine in ENGINES.items()
+        (title, kind, transport)
+        for transport, library in ENGINES.items()
         for title, kind in (
-            ("rtgen beside", ours),
-            ("", Kind(transport, ours.python, dict(os.environ))),
+            (f"{transport}, components", ours),
+            (f"{transport}, rtgen's engine", engine),
+            (library, Kind(transport, ours.python, dict(os.environ))),
         )
     ]
     cases += [("rclpy, Fast DDS", each, "") for each in rclpy]
@@ -138,7 +140,7 @@ def in_two_processes(rclpy: list[Kind], chosen: Any, table: Table) -> None:
         ]
         for (title, _, _), each in zip(cases, zip(*rounds, strict=True), strict=True):
             figures = map(statistics.median, zip(*each, strict=True))
-            table.add(f"{length}, {title.strip()}", *figures)
+            table.add(f"{length}, {title}", *figures)
 
 
 def main() -> None:

@@ -32,10 +32,12 @@ import time
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from dataclasses import dataclass
+from itertools import islice
 from pathlib import Path
 from typing import Any
 
 from openrtm_ends import SIDES, TYPES
+from tables import Arguments, Results, Table
 
 ROOT = Path(__file__).resolve().parents[1]
 DEFINITIONS = (".idl", ".cdl", ".eds", ".toml")
@@ -226,7 +228,7 @@ def tasks(kind: type[Any], code: Any, value: Any) -> Any:
     )
 
 
-def measured(case: Case) -> Result:
+def measured(case: Case, rounds: int) -> Result:
     """Return the medians of rounds that alternate between the tasks."""
     clock = time.process_time_ns
     numbers = []
@@ -237,7 +239,7 @@ def measured(case: Case) -> Result:
             count += 1
         numbers.append(max(count, 1))
     samples: list[list[float]] = [[] for _ in case.tasks]
-    for _ in range(ROUNDS):
+    for _ in range(rounds):
         for task, number, times in zip(case.tasks, numbers, samples, strict=True):
             repeat = range(number)
             start = clock()
@@ -250,21 +252,13 @@ def measured(case: Case) -> Result:
     return Result(case.name, tuple(medians))
 
 
-def table(title: str, results: list[Result]) -> None:
-    """Print times in ns and ratios, a line for each result."""
-    print(f"{title}\n")
-    columns = ("fill", "marshal", "ratio", "from", "unmarshal", "ratio", "to", "ratio")
-    print(f"{'type':34}" + "".join(f"{column:>10}" for column in columns))
+def fill(table: Table, results: list[Result]) -> None:
+    """Fill a table with times in ns and ratios, a line for each result."""
     for result in results:
         filled, marshalled, made, unmarshalled, new = result.times
         out, into, fresh = result.ratios
-        numbers = (
-            *(f"{filled:10.0f}{marshalled:10.0f}{out:10.2f}",),
-            *(f"{made:10.0f}{unmarshalled:10.0f}{into:10.2f}",),
-            *(f"{new:10.0f}{fresh:10.2f}",),
-        )
-        print(f"{result.name:34}" + "".join(numbers))
-    print()
+        outgoing, incoming = (filled, marshalled, out), (made, unmarshalled, into)
+        table.add(result.name, *outgoing, *incoming, new, fresh)
 
 
 class End:
@@ -310,8 +304,8 @@ def batch(ends: dict[str, End], way: tuple[str, str], type_: str) -> tuple[float
     return times[0] / 1e3, times[1] / 1e3, statistics.median(late) / 1e3
 
 
-def connections(names: str) -> bool:
-    """Print the tables of the connections; return whether all are within the limit."""
+def connections(table: Table, names: str, rounds: int) -> bool:
+    """Fill the table of the connections; return whether all are within the limit."""
     ways = [(source, target) for source in SIDES for target in SIDES]
     found: dict[tuple[str, tuple[str, str]], list[tuple[float, ...]]] = {}
     with ExitStack() as closing:
@@ -328,46 +322,50 @@ def connections(names: str) -> bool:
                 ports = f"{type_}_{target}", f"{type_}_{source}"
                 [told] = ends["openrtm Sender"].ask("connect", *instances, *ports)
                 assert told == "RTC_OK", told
-        for _ in range(ROUNDS + 1):
+        for _ in range(rounds + 1):
             for type_ in TYPES:
                 for way in ways:
                     found.setdefault((type_, way), []).append(batch(ends, way, type_))
-    print(
-        "Data connections by corba_cdr: us for each sample, and ratio to OpenRTM's own\n"
-    )
-    columns = "".join(f"{text:>12}{'ratio':>8}" for text in KINDS)
-    print(f"{'type':16}{'from':9}{'to':9}{columns}{'samples/s':>12}")
     good = True
     for (type_, way), times in found.items():
-        line = f"{type_:16}{way[0]:9}{way[1]:9}"
+        row: list[float] = []
         for place in range(len(KINDS)):
             own = [each[place] for each in times[1:]]
             first = [each[place] for each in found[type_, ways[0]][1:]]
             ratio = statistics.median(a / b for a, b in zip(own, first, strict=True))
             good &= ratio <= 1.0 or KINDS[place] != "processor"
-            line += f"{statistics.median(own):12.0f}{ratio:8.2f}"
+            row += [statistics.median(own), ratio]
         each = statistics.median(row[0] for row in times[1:])
-        print(f"{line}{1e6 / each:12.0f}")
-    print()
+        table.add(f"{type_} from {way[0]} to {way[1]}", *row, 1e6 / each)
     return good
 
 
 def main() -> int:
     """Print the tables; return 1 if a ratio is above its limit."""
+    parser = Arguments(__doc__, rounds=ROUNDS)
+    parser.add_argument("--all", action="store_true", help="each type")
+    chosen = parser.parse_args()
     if hasattr(os, "sched_setaffinity"):
         os.sched_setaffinity(0, {max(os.sched_getaffinity(0))})
     good = True
     if importlib.util.find_spec("OpenRTM_aist") is None:
-        print("Data connections are left out: OpenRTM-aist-Python is not installed\n")
-    else:
-        from rtgen.runtime.corba.name_server import NameServer
+        print("Data connections are left out: OpenRTM-aist-Python is not installed")
+    with Results(__file__, chosen) as results:
+        if importlib.util.find_spec("OpenRTM_aist") is not None:
+            from rtgen.runtime.corba.name_server import NameServer
 
-        with NameServer() as names:
-            good = connections(names.address)
-    return 0 if converted() and good else 1
+            figures = [
+                f for text in KINDS for f in ((f"{text} [µs]", ".0f"), ("ratio", ".2f"))
+            ]
+            columns = *figures, ("samples/s", ",.0f")
+            table = results.table("connections", "connection", *columns)
+            with NameServer() as names:
+                good = connections(table, names.address, chosen.rounds)
+        good &= converted(results, chosen)
+    return int(not good and not chosen.smallest)
 
 
-def converted() -> bool:
+def converted(tables: Results, chosen: Any) -> bool:
     """Print the tables of the conversions; return whether all are within the limits."""
     with tempfile.TemporaryDirectory() as name:
         folder = Path(name)
@@ -379,25 +377,30 @@ def converted() -> bool:
 
         CORBA.ORB_init(["bench", "-ORBnativeCharCodeSet", "UTF-8"])
         stubs.load(folder / "stubs", stems)
-        results = [measured(case) for case in cases(folder)]
+        every = cases(folder)
+        if chosen.smallest:
+            every = islice(every, 3)
+        results = [measured(case, chosen.rounds) for case in every]
     ways = (
         "outgoing (fill / marshal)",
         "incoming (from / unmarshal)",
         "new (to / marshal)",
     )
-    if "--all" in sys.argv[1:]:
-        table("Every type", results)
+    columns = [
+        *(("fill [ns]", ".0f"), ("marshal [ns]", ".0f"), ("ratio", ".2f")),
+        *(("from [ns]", ".0f"), ("unmarshal [ns]", ".0f"), ("ratio", ".2f")),
+        *(("to [ns]", ".0f"), ("ratio", ".2f")),
+    ]
     for way in (0, 1):
         ordered = sorted(results, key=lambda r: -r.ratios[way])
-        table(f"{ways[way]}: the highest", ordered[:SHOWN])
+        title = f"{ways[way]}: the highest"
+        fill(Table("", (title, *columns)), ordered[: None if chosen.all else SHOWN])
+    figures = ("values", "d"), ("median", ".2f"), ("highest", ".2f"), ("limit", "g")
+    table = tables.table("values", "conversion", *figures)
     for way, text in enumerate(ways):
-        ordered = sorted(results, key=lambda r: r.ratios[way])
-        ratios = [result.ratios[way] for result in ordered]
-        middle, highest = statistics.median(ratios), ratios[-1]
-        limit = f", limit {LIMITS[way]}" if way < 2 else ""
-        print(
-            f"{text}: {len(ratios)} values, median {middle:.2f}, highest {highest:.2f}{limit}"
-        )
+        ratios = sorted(result.ratios[way] for result in results)
+        limit = LIMITS[way] if way < 2 else None
+        table.add(text, len(ratios), statistics.median(ratios), ratios[-1], limit)
     return all(r.ratios[way] <= LIMITS[way] for r in results for way in (0, 1))
 
 

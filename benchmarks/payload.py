@@ -24,13 +24,13 @@ from typing import Any
 import numpy
 from cdr import least_times
 from cdr_peers import CycloneDds, load_omniorb, omniorb_type, omniorb_value
+from tables import Arguments, Results, Table
 
 from rtgen.runtime import idl
 
 COUNTS = (100, 1_000, 10_000, 100_000, 1_000_000)
 POINTS = (20_000, 100_000)
 ORDERS = (("little-endian", True), ("big-endian", False))
-ROUNDS = 9
 IDL = """
 module payload {
     struct Scan { long stamp; sequence<double> ranges; };
@@ -144,27 +144,37 @@ def clouds(types: Any, count: int) -> list[Row]:
     return [*copies(value.points), *ours("numpy", value), *peers(listed)]
 
 
-def report(title: str, rows: list[Row]) -> None:
-    print(title)
-    encode = least_times([row[1] for row in rows], ROUNDS)
-    decode = least_times([row[2] for row in rows], ROUNDS)
+def report(table: Table, rounds: int, title: str, rows: list[Row]) -> None:
+    """Fill the table with the rows of a value."""
+    encode = least_times([row[1] for row in rows], rounds)
+    decode = least_times([row[2] for row in rows], rounds)
     for row, *both in zip(rows, encode, decode, strict=True):
-        texts = (
-            f"{taken / 1000:11.2f} {taken / least:8.2f}"
-            for taken, least in zip(both, (encode[0], decode[0]), strict=True)
-        )
-        print(f"  {row[0]:30}", *texts)
+        least = encode[0], decode[0]
+        pairs = zip(both, least, strict=True)
+        figures = [n for taken, copy in pairs for n in (taken / 1000, taken / copy)]
+        table.add(f"{title}, {row[0]}", *figures)
 
 
 def main() -> None:
-    with tempfile.TemporaryDirectory() as folder:
+    """Print the table."""
+    chosen = Arguments(__doc__, rounds=9).parse_args()
+    with Results(__file__, chosen) as results, tempfile.TemporaryDirectory() as folder:
         types = generated(Path(folder))
-        print(f"{'':33} encode [us]   copies  decode [us]   copies")
-        for count in COUNTS:
-            report(f"scan of {count:,} doubles", scans(types, count))
-        report("image of 1 MB", images(types))
-        for count in POINTS:
-            report(f"cloud of {count:,} points", clouds(types, count))
+        table = results.table(
+            "copies",
+            "value",
+            ("encode [µs]", ".2f"),
+            ("copies", ".2f"),
+            ("decode [µs]", ".2f"),
+            ("copies", ".2f"),
+        )
+        show = partial(report, table, chosen.rounds)
+        for count in COUNTS[:1] if chosen.smallest else COUNTS:
+            show(f"scan of {count:,} doubles", scans(types, count))
+        if not chosen.smallest:
+            show("image of 1 MB", images(types))
+            for count in POINTS:
+                show(f"cloud of {count:,} points", clouds(types, count))
 
 
 if __name__ == "__main__":

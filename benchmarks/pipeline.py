@@ -10,11 +10,12 @@ from __future__ import annotations
 
 import os
 import statistics
-import sys
 import time
 from collections.abc import Callable
 from pathlib import Path
 from tempfile import TemporaryDirectory, TemporaryFile
+
+from tables import Arguments, Results
 
 from rtgen import runtime
 from rtgen.compiler.model import System
@@ -29,7 +30,6 @@ from rtgen.tools.running.factories import Factories
 ROOT = Path(__file__).resolve().parent.parent
 SYSTEM = Path("specs/navigation/rh3_goal.xml")
 GOAL = 100.0
-ROUNDS = 5
 SECONDS = 10
 """Simulated time of a round [s]; the robot is under way throughout."""
 LOGGED = "with a log"
@@ -72,6 +72,7 @@ def ratio(profile: System, factories: Factories, form: str = "") -> float:
 
 def main() -> None:
     """Print the ratios and shares."""
+    chosen = Arguments(__doc__, rounds=5).parse_args()
     os.chdir(ROOT)
     profile, diagnostics, _ = read_file(SYSTEM)
     if profile is None:
@@ -82,28 +83,21 @@ def main() -> None:
         "idle behaviours": IdleFactories(project),
     }
     ratios: dict[str, list[float]] = {name: [] for name in (*kinds, LOGGED, RECORDED)}
-    for _ in range(ROUNDS):
+    for _ in range(chosen.rounds):
         for name, factories in kinds.items():
             ratios[name].append(ratio(profile, factories))
         for form in (LOGGED, RECORDED):
             ratios[form].append(ratio(profile, kinds["as specified"], form))
     medians = {name: statistics.median(values) for name, values in ratios.items()}
     whole, idle = (medians[name] for name in kinds)
-    rates = ", ".join(
-        f"{c.instance} {c.rate:g} Hz" for c in profile.components if c.rate
-    )
-    print(
-        f"Python {sys.version.split()[0]}, median of {ROUNDS} runs of {SECONDS} s: {rates}"
-    )
-    print(f"as specified     {whole:8.1f} x real time  (goal {GOAL:g}, bound 50)")
-    print(f"idle behaviours  {idle:8.1f} x real time")
-    for form in (LOGGED, RECORDED):
-        time_more = whole / medians[form] - 1
-        print(f"{form:<16} {medians[form]:8.1f} x real time  ({time_more:+.0%} time)")
-    share = whole / idle
-    print(
-        f"share            runtime {share:.0%}, behaviours and their traffic {1 - share:.0%}"
-    )
+    with Results(__file__, chosen) as results:
+        columns = ("times real time", ".1f"), ("more time", "+.0%")
+        title = f"{SECONDS} s of {profile.name} (goal {GOAL:g}, at least 50)"
+        table = results.table("ratios", title, *columns)
+        table.add("as specified", whole, None)
+        table.add("idle behaviours: the runtime's share", idle, whole / idle - 1)
+        for form in (LOGGED, RECORDED):
+            table.add(form, medians[form], whole / medians[form] - 1)
 
 
 if __name__ == "__main__":

@@ -12,6 +12,8 @@ import time
 from collections import deque
 from collections.abc import Callable
 
+from tables import Arguments, Results
+
 from refrobots import iis
 from rtgen.facts.value_checks import CheckValues
 from rtgen.runtime import (
@@ -23,7 +25,6 @@ from rtgen.runtime import (
     System,
 )
 
-ROUNDS = 21
 CALLS = 20_000
 
 
@@ -116,6 +117,7 @@ def scheduler_share() -> float:
 
 def main() -> None:
     """Print the table."""
+    chosen = Arguments(__doc__, rounds=21).parse_args()
     cases = {"deque append and popleft": deque_case(sample(0))}
     for elements in (0, 3):
         value = sample(elements)
@@ -126,17 +128,19 @@ def main() -> None:
         cases[f"  of that the snapshot, {label}"] = snapshot_case(value)
     times: dict[str, list[float]] = {name: [] for name in cases}
     shares: list[float] = []
-    for _ in range(ROUNDS):
+    for _ in range(chosen.rounds):
         for name, case in cases.items():
             times[name].append(per_call(case))
         shares.append(scheduler_share())
     medians = {name: statistics.median(values) for name, values in times.items()}
     peer = medians["deque append and popleft"]
-    width = max(map(len, medians))
-    for name, median in medians.items():
-        print(f"{name:<{width}}  {median / 1000:7.3f} us  {median / peer:6.1f} x deque")
-    share = statistics.median(shares) / 1000
-    print(f"{'scheduler, for each tick in simulated time':<{width}}  {share:7.3f} us")
+    with Results(__file__, chosen) as results:
+        columns = ("processor time [µs]", ".3f"), ("times the deque", ".1f")
+        table = results.table("calls", "call", *columns)
+        for name, median in medians.items():
+            table.add(name, median / 1000, median / peer)
+        share = statistics.median(shares) / 1000
+        table.add("scheduler, for each tick in simulated time", share, None)
 
 
 if __name__ == "__main__":

@@ -1,6 +1,6 @@
 """Nodes of ROS 2 side by side: written by hand with rclpy, `--ros2 rclpy`, and `--ros2 dds`.
 
-    python benchmarks/ros2.py [ROUNDS]
+    python benchmarks/ros2.py
 
 What a driver sends on one topic comes back on another: by rclpy's executor and a callback, or by an
 InPort and an OutPort of rtgen. Messages are decoded, changed and encoded again. The driver is the
@@ -19,6 +19,8 @@ import subprocess
 import sys
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from tables import Arguments, Results
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
@@ -104,26 +106,30 @@ def measured(ros2: Installation, kind: str, load: Load) -> Figures:
     )
 
 
-def main(rounds: int) -> None:
-    for distribution in DISTRIBUTIONS:
-        ros2 = make(distribution)
-        for load in LOADS:
-            print(
-                f"{distribution}, {load.title}: latency [ms], 99 %, cpu [ms], found [s], came"
-            )
-            results: dict[str, list[Figures]] = {kind: [] for kind in KINDS}
-            for _ in range(rounds):
-                for kind in KINDS:
-                    results[kind].append(measured(ros2, kind, load))
-            for kind, figures in results.items():
-                latency, worst, cpu, found, came = map(
-                    statistics.median, zip(*figures, strict=True)
-                )
-                print(
-                    f"  {kind:6} {latency:8.2f} {worst:8.2f} {cpu:8.3f} {found:6.2f} {came:6.1%}",
-                    flush=True,
-                )
+def main() -> None:
+    """Print the table."""
+    chosen = Arguments(__doc__, rounds=ROUNDS).parse_args()
+    with Results(__file__, chosen) as results:
+        table = results.table(
+            "nodes",
+            "messages, node",
+            ("there and back [ms]", ".2f"),
+            ("99 % [ms]", ".2f"),
+            ("processor time [ms]", ".3f"),
+            ("found [s]", ".2f"),
+            ("came", ".1%"),
+        )
+        for distribution in DISTRIBUTIONS[:1] if chosen.smallest else DISTRIBUTIONS:
+            ros2 = make(distribution)
+            for load in LOADS[:1] if chosen.smallest else LOADS:
+                rounds = [
+                    [measured(ros2, kind, load) for kind in KINDS]
+                    for _ in range(chosen.rounds)
+                ]
+                for kind, each in zip(KINDS, zip(*rounds, strict=True), strict=True):
+                    figures = map(statistics.median, zip(*each, strict=True))
+                    table.add(f"{distribution}, {load.title}, {kind}", *figures)
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]) if len(sys.argv) > 1 else ROUNDS)
+    main()

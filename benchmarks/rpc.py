@@ -29,6 +29,8 @@ from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
+from tables import Arguments, Results, Table
+
 PAIRS, WARM_UP, CALLS = 200, 20, 100
 SLOW_PAIRS = 5
 LIMITS = {"raw": 1.6, "omniORBpy": 1.0, "grpcio": 0.2}
@@ -256,13 +258,27 @@ def compared(peer: Call, ours: Call, pairs: int) -> tuple[list[float], list[floa
     return [a for a, _ in times], [b for _, b in times]
 
 
-def shown(name: str, times: list[float]) -> str:
+COLUMNS = [
+    *((f"{title} [µs]", ".2f") for title in ("mean", "median", "99 %", "spread")),
+    ("ratio", ".3f"),
+    ("at most", "g"),
+]
+"""Columns of a table of calls: ratio to the peer, and its limit."""
+
+
+def add(
+    table: Table,
+    name: str,
+    times: list[float],
+    ratio: float | None = None,
+    limit: float | None = None,
+) -> None:
+    """Add the times of a call to a table."""
     ordered = sorted(times)
     high = ordered[min(len(ordered) - 1, int(len(ordered) * 0.99))]
-    return (
-        f"{name:<28} {statistics.mean(times):9.2f} {statistics.median(times):9.2f}"
-        f" {high:9.2f} {statistics.stdev(times):9.2f}"
-    )
+    spread = statistics.stdev(times) if len(times) > 1 else None
+    figures = statistics.mean(times), statistics.median(times), high, spread
+    table.add(name, *figures, ratio, limit)
 
 
 def ratio(peer: list[float], ours: list[float]) -> float:
@@ -272,72 +288,54 @@ def ratio(peer: list[float], ours: list[float]) -> float:
 
 def main() -> int:
     """Print the figures; return 1 if a limit is exceeded."""
+    chosen = Arguments(__doc__, rounds=PAIRS).parse_args()
     makers: dict[str, Callable[[str, Path], Call]] = {
         "raw": lambda address, _: raw_call(address),
         "omniORBpy": omniorb_call,
         "grpcio": lambda address, _: grpc_call(address),
     }
-    passed = False
+    too_slow = False
     if sys.platform == "linux":
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-    with tempfile.TemporaryDirectory() as name:
+    with Results(__file__, chosen) as results, tempfile.TemporaryDirectory() as name:
         folder = Path(name)
         prepare(folder)
+        table = results.table("calls", "an empty call", *COLUMNS)
         with server("rtgen", folder) as address:
             ours = rtgen_call(address, folder)
-            print(
-                f"{'us for a call':<28} {'mean':>9} {'median':>9} {'99 %':>9} {'stdev':>9}"
-            )
-            ratios = {}
             for peer, maker in makers.items():
                 try:
                     with server(peer, folder) as peer_address:
                         call = maker(peer_address, folder)
                         call()
-                        theirs, mine = compared(call, ours, PAIRS)
+                        theirs, mine = compared(call, ours, chosen.rounds)
                 except ImportError as error:
                     print(f"{peer}: left out, {error}")
                     continue
-                print(shown(peer, theirs))
-                print(shown(f"  rtgen beside {peer}", mine))
-                ratios[peer] = ratio(theirs, mine)
-            for peer, value in ratios.items():
-                bad = value > LIMITS[peer]
-                passed = passed or bad
-                print(
-                    f"{value:6.3f} times {peer}, at most {LIMITS[peer]}{'  TOO SLOW' * bad}"
-                )
-            paper(ours)
-        scalars(folder)
-    return int(passed)
+                value = ratio(theirs, mine)
+                add(table, peer, theirs)
+                add(table, f"rtgen beside {peer}", mine, value, LIMITS[peer])
+                too_slow |= value > LIMITS[peer]
+            one_by_one = [batch(ours, 1) for _ in range(CALLS)]
+            add(table, "100 calls one by one", one_by_one)
+        scalars(table, folder, chosen.rounds)
+    return int(too_slow and not chosen.smallest)
 
 
-def paper(ours: Call) -> None:
-    """Print the paper's procedure: 100 calls of an empty function, each timed."""
-    times = [batch(ours, 1) for _ in range(CALLS)]
-    spread = f"{min(times):.1f} to {max(times):.1f}"
-    print(f"100 calls one by one: mean {statistics.mean(times):.1f} us, {spread} us")
-
-
-def scalars(folder: Path) -> None:
-    """Print the calls of a server that writes each scalar separately, with Nagle's algorithm on."""
+def scalars(table: Table, folder: Path, pairs: int) -> None:
+    """Add the calls of a server that writes each scalar separately, with Nagle's algorithm on."""
     with server("scalars", folder) as address, server("raw", folder) as raw:
         ours = rtgen_call(address, folder)
-        call = raw_call(raw)
-        theirs, mine = compared(call, ours, PAIRS)
-        print(shown("scalar by scalar, rtgen", mine))
-        print(f"{ratio(theirs, mine):6.3f} times raw")
+        theirs, mine = compared(raw_call(raw), ours, pairs)
+        add(table, "scalar by scalar, rtgen beside raw", mine, ratio(theirs, mine))
     with server("scalars", folder) as address:
         ordinary = ordinary_call(address)
-        print(
-            shown(
-                "  an ordinary client", [batch(ordinary, 10) for _ in range(SLOW_PAIRS)]
-            )
-        )
+        times = [batch(ordinary, 10) for _ in range(SLOW_PAIRS)]
+        add(table, "scalar by scalar, an ordinary client", times)
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 3:
+    if len(sys.argv) == 3 and sys.argv[1] in SERVERS:
         SERVERS[sys.argv[1]](Path(sys.argv[2]))
     else:
         sys.exit(main())

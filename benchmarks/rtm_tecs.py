@@ -17,10 +17,12 @@ import tempfile
 import time
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import rpc
+from tables import Arguments, Results, Table
 
 from rtgen.runtime import (
     ACTIVE_STATE,
@@ -62,23 +64,27 @@ def series(call: Callable[[], object]) -> list[float]:
     return times
 
 
-def show(name: str, call: Callable[[], object]) -> float:
+def show(table: Table, name: str, call: Callable[[], object], rounds: int) -> float:
     """Print the figures of calls; return their mean."""
     series(call)
-    runs = [series(call) for _ in range(SERIES)]
+    runs = [series(call) for _ in range(rounds)]
     figures = [
         statistics.median(measure(run) for run in runs)
         for measure in (statistics.mean, statistics.stdev, min, max)
     ]
-    print(f"{name:<26}" + "".join(f"{figure:10.1f}" for figure in figures))
+    table.add(name, *figures)
     return figures[0]
 
 
 def main() -> int:
     """Print the table."""
+    chosen = Arguments(__doc__, rounds=SERIES).parse_args()
     if sys.platform == "linux":
         os.sched_setaffinity(0, {min(os.sched_getaffinity(0))})
-    with tempfile.TemporaryDirectory() as name:
+    with Results(__file__, chosen) as results, tempfile.TemporaryDirectory() as name:
+        columns = [(title, ".1f") for title in ("mean", "spread", "least", "most")]
+        table = results.table("series", "a call [µs]", *columns)
+        show_ = partial(show, table, rounds=chosen.rounds)
         folder = Path(name)
         rpc.prepare(folder)
         marshallers = rpc.generated(folder, "empty.empty_marshaller")
@@ -88,22 +94,19 @@ def main() -> int:
             def nothing(self) -> int:
                 return 0
 
-        print(
-            f"{'us for a call':<26}{'mean':>10}{'spread':>10}{'least':>10}{'most':>10}"
-        )
         ends = [(("Client0", "empty"), ("Server0", "empty"))]
         client, server = marshallers.EmptyClientBase("Client0"), provider(interface)
         server.empty.set_servant(Servant())
         with active(client, server, joined=ends):
-            rtm = show("RTM to RTM, one process", client.empty.object.nothing)
+            rtm = show_("RTM to RTM, one process", client.empty.object.nothing)
         try:
             with rpc.server("omniORBpy", folder) as reference:
                 call = rpc.omniorb_call(reference, folder)
-                rtm = show("RTM to RTM, omniORBpy", call)
+                rtm = show_("RTM to RTM, omniORBpy", call)
         except ImportError as error:
             print(f"RTM to RTM between processes: left out, {error}")
         with rpc.server("rtgen", folder) as port:
-            show("proxy to TECS", rpc.rtgen_call(port, folder))
+            show_("proxy to TECS", rpc.rtgen_call(port, folder))
             client = marshallers.EmptyClientBase("Client0")
             marshaller = marshallers.EmptyMarshaller("Marshaller0")
             link = OpaqueRpcCommunication("Communication0")
@@ -117,7 +120,7 @@ def main() -> int:
                     (("Marshaller0", "communication"), ("Communication0", "service")),
                 ],
             ):
-                tecs = show("RTM to TECS", client.empty.object.nothing)
+                tecs = show_("RTM to TECS", client.empty.object.nothing)
         print(f"RTM to TECS takes {tecs / rtm:.2f} times the last RTM to RTM")
     return 0
 

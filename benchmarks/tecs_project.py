@@ -1,6 +1,6 @@
 """A project of many joins: lines of generated Python, and processor time of `rtgen generate`.
 
-    python benchmarks/tecs_project.py [JOINS [FUNCTIONS]]
+    python benchmarks/tecs_project.py [--joins N] [--functions N]
 
 Each join has a signature of its own with that many functions (default: 100 joins of 20 functions).
 Their parameters are of six kinds: numbers, arrays, texts, a struct.
@@ -14,6 +14,8 @@ import sys
 import tempfile
 import time
 from pathlib import Path
+
+from tables import Arguments, Results
 
 PARAMETERS = (
     "[in] int32_t a",
@@ -82,21 +84,33 @@ def importing(folder: Path) -> float:
 
 def main() -> int:
     """Print the figures; return 1 if there are too many lines."""
-    joins, functions = (*map(int, sys.argv[1:]), *(100, 20)[len(sys.argv) - 1 :])
-    with tempfile.TemporaryDirectory() as name:
+    parser = Arguments(__doc__, rounds=1)
+    parser.add_argument("--joins", type=int, default=100)
+    parser.add_argument("--functions", type=int, default=20)
+    chosen = parser.parse_args()
+    if chosen.smallest:
+        chosen.joins, chosen.functions = 8, 2
+    functions = chosen.joins * chosen.functions
+    with Results(__file__, chosen) as results, tempfile.TemporaryDirectory() as name:
+        table = results.table(
+            "project",
+            "joins",
+            ("functions", ",d"),
+            ("lines of Python", ",d"),
+            ("for a function", ".1f"),
+            ("processor time [s]", ".2f"),
+            ("elapsed [s]", ".2f"),
+            ("import of a marshaller [ms]", ".0f"),
+        )
         folder = Path(name)
         start = time.perf_counter()
-        lines, used = generate(folder, joins, functions)
+        lines, used = generate(folder, chosen.joins, chosen.functions)
         real = time.perf_counter() - start
-        each = lines / joins / functions
-        print(f"{joins} joins of {functions} functions: {lines} lines of Python,")
-        print(
-            f"{each:.1f} for a function; {used:.2f} s of processor time, {real:.2f} s"
-        )
-        if joins > 7:
-            importing(folder)
-            print(f"import of one marshaller: {importing(folder) * 1000:.0f} ms")
-    return int((joins, functions) == (100, 20) and each > MAX_LINES)
+        importing(folder)
+        taken = importing(folder) * 1000
+        each = lines / functions
+        table.add(str(chosen.joins), functions, lines, each, used, real, taken)
+    return int(not chosen.smallest and each > MAX_LINES)
 
 
 if __name__ == "__main__":

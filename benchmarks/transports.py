@@ -1,6 +1,6 @@
 """Samples and calls over CORBA, DDS and Zenoh between two processes, compared with the libraries.
 
-    python benchmarks/transports.py [ROUNDS | --writers [ROUNDS]]
+    python benchmarks/transports.py [--writers] [--engines NAME,...]
 
 Samples: the writer of one process, the reader of another, which counts them. `write` is the
 writer's path alone, per sample: rtgen's (encoding, and the engine's publisher) compared with
@@ -25,10 +25,12 @@ import subprocess
 import sys
 import threading
 import time
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import ExitStack, closing, contextmanager
 from pathlib import Path
 from typing import Any, NamedTuple
+
+from tables import Arguments, Results, Table
 
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "tests"))
@@ -327,14 +329,6 @@ class Cost(NamedTuple):
     wall: float
     thread: float
 
-    def __str__(self) -> str:
-        return f"{_us(self.wall).strip()} ({_us(self.thread).strip()} of processor)"
-
-    def by(self, other: Cost) -> str:
-        """Return the ratio to another cost."""
-        wall, thread = self.wall / other.wall, self.thread / other.thread
-        return f"{wall:.2f} ({thread:.2f} of processor)"
-
 
 def timed(action: Callable[[], object], count: int) -> Cost:
     """Return the cost of one of `count` actions."""
@@ -417,57 +411,90 @@ def interleaved(rounds: int, *actions: Callable[[], object]) -> list[Cost]:
 
 
 def main() -> None:
-    alone = sys.argv[1:2] == ["--writers"]
-    rounds = int(dict(enumerate(sys.argv)).get(2 if alone else 1, 5))
-    ours, theirs = dds_writers(rounds)
-    print(f"write of TimedPose2D, dds: {ours}, cyclonedds-python {theirs}:")
-    print(f"  theirs takes {theirs.by(ours)} times as long")
-    ours, packed, ready = zenoh_writers(rounds)
-    print(f"write of TimedPose2D, zenoh: {ours}, zenoh-python with struct {packed},")
-    print(f"  of ready octets {ready}: {ours.by(packed)} and {ours.by(ready)} times")
-    if alone:
-        return
-    print("\nsize       engine        write  arrives/s   of     latency  99 %")
-    for size in SIZES:
-        name = f"{size or 'TimedPose2D'}"
-        print(
-            f"{name:10} direct       {_us(statistics.median(direct(size) for _ in range(rounds)))}"
+    """Print the tables."""
+    parser = Arguments(__doc__, rounds=5)
+    parser.add_argument("--writers", action="store_true", help="writers alone")
+    parser.add_argument("--engines", default="corba,dds,zenoh,zenoh-router")
+    chosen = parser.parse_args()
+    sizes, engines = SIZES, chosen.engines.split(",")
+    if chosen.smallest:
+        sizes, engines = SIZES[:1], ["zenoh"]
+    with Results(__file__, chosen) as results:
+        writers(
+            results.table(
+                "writers",
+                "write of TimedPose2D",
+                ("elapsed [µs]", ".2f"),
+                ("processor time [µs]", ".2f"),
+                ("rtgen's to it", ".2f"),
+                ("of processor time", ".2f"),
+            ),
+            chosen.rounds,
         )
-    for kind in ("corba", "dds", "zenoh", "zenoh-router"):
-        with ExitStack() as stack:
-            medium, address = stack.enter_context(joined(kind))
-            stack.enter_context(other(address))
-            pair = Pair(medium)
-            for size in SIZES:
-                pair.prepare(size)
-                floods = [pair.flood(size) for _ in range(rounds)]
-                write, rate, got = (
-                    statistics.median(each) for each in zip(*floods, strict=True)
-                )
-                trips = pair.latency(size)
-                print(
-                    f"{size or 'TimedPose2D':<10} {kind:12} {_us(write)} {rate:10,.0f} "
-                    f"{got / count_of(size):5.2f}  {_us(statistics.median(trips))} "
-                    f"{_us(trips[len(trips) * 99 // 100])}",
-                    flush=True,
-                )
-                write, rate, got = pair.alone(size, rounds)
-                print(
-                    f"{size or 'TimedPose2D':<10} {'  alone':12} {_us(write)} {rate:10,.0f} "
-                    f"{got / count_of(size):5.2f}",
-                    flush=True,
-                )
-            if kind == "corba":
-                continue
+        if chosen.writers:
+            return
+        table = results.table(
+            "engines",
+            "sample, engine",
+            ("write [µs]", ".2f"),
+            ("arrive [1/s]", ",.0f"),
+            ("of them", ".2f"),
+            ("latency [µs]", ".0f"),
+            ("99 % [µs]", ".0f"),
+        )
+        for size in sizes:
+            seconds = statistics.median(direct(size) for _ in range(chosen.rounds))
+            table.add(f"{title_of(size)}, direct", seconds * 1e6, *[None] * 4)
+        for kind in engines:
+            between(table, kind, sizes, chosen.rounds)
+
+
+def writers(table: Table, rounds: int) -> None:
+    """Fill the table of writers alone."""
+    for names, costs in (
+        (("rtgen over DDS", "cyclonedds-python"), dds_writers(rounds)),
+        (
+            ("rtgen over Zenoh", "put, packed by struct", "put of ready octets"),
+            zenoh_writers(rounds),
+        ),
+    ):
+        ours = costs[0]
+        for name, cost in zip(names, costs, strict=True):
+            both = cost.wall * 1e6, cost.thread * 1e6
+            table.add(name, *both, ours.wall / cost.wall, ours.thread / cost.thread)
+
+
+def between(table: Table, kind: str, sizes: Sequence[int], rounds: int) -> None:
+    """Fill the table with samples and calls of an engine between two processes."""
+    with ExitStack() as stack:
+        medium, address = stack.enter_context(joined(kind))
+        stack.enter_context(other(address))
+        pair = Pair(medium)
+        for size in sizes:
+            pair.prepare(size)
+            floods = [pair.flood(size) for _ in range(rounds)]
+            trips = pair.latency(size)
+            late = trips[len(trips) * 99 // 100]
+            for name, (write, rate, got), latencies in (
+                (
+                    kind,
+                    map(statistics.median, zip(*floods, strict=True)),
+                    (statistics.median(trips) * 1e6, late * 1e6),
+                ),
+                (f"{kind} alone", pair.alone(size, rounds), (None, None)),
+            ):
+                figures = write * 1e6, rate, got / count_of(size)
+                table.add(f"{title_of(size)}, {name}", *figures, *latencies)
+        if kind != "corba":
             found = pair.calls()
-            print(
-                f"call       {kind:12} {_us(statistics.median(found))}, "
-                f"99 % {_us(found[len(found) * 99 // 100])}"
-            )
+            late = found[len(found) * 99 // 100] * 1e6
+            figures = None, None, None, statistics.median(found) * 1e6, late
+            table.add(f"call, {kind}: there and back", *figures)
 
 
-def _us(seconds: float) -> str:
-    return f"{seconds * 1e6:8.2f} us"
+def title_of(size: int) -> str:
+    """Return the title of samples of a size."""
+    return f"{size:,} octets" if size else "TimedPose2D"
 
 
 if __name__ == "__main__":

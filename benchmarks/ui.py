@@ -1,7 +1,6 @@
 """Cost of pages of `rtgen ui` for a run: 60 components, 200 connections, 50 ports at 100 Hz.
 
-    python benchmarks/ui.py [SECONDS]
-    python benchmarks/ui.py --browser CHROMIUM [SECONDS]
+    python benchmarks/ui.py [--seconds S] [--browser CHROMIUM]
 
 A system in real time without a page, with one that reads, with one that reads nothing, and with one
 of each. `ticks` are those of all components and those that were due; `overruns` and `lost` are
@@ -23,6 +22,8 @@ from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
+from tables import Arguments, Results, Table
+
 HERE = Path(__file__).parent
 sys.path.insert(0, str(HERE.parent / "generated"))
 
@@ -32,6 +33,7 @@ from websockets.sync.client import ClientConnection, connect  # noqa: E402
 from refrobots import rtc  # noqa: E402
 from rtgen import runtime  # noqa: E402
 from rtgen.compiler.model import System, SystemComponent  # noqa: E402
+from rtgen.compiler.systems.timeline import Timeline  # noqa: E402
 from rtgen.runtime.rtc.profiles import ComponentProfile  # noqa: E402
 from rtgen.ui.buses import Describer  # noqa: E402
 from rtgen.ui.project import Known, Opened, RunWatcher  # noqa: E402
@@ -78,6 +80,10 @@ class Network:
     def write(self, file: str, data: bytes, own: Known, *, replace: bool) -> str:
         """Do nothing."""
         return ""
+
+    def timeline(self, profile: System) -> Timeline:
+        """Return one without events."""
+        return Timeline()
 
     def refusals(self, profile: System) -> Sequence[str]:
         """Return nothing: no file is run."""
@@ -258,30 +264,33 @@ def browse(program: str, seconds: float) -> dict[str, dict[str, Any]]:
     return rows
 
 
-def show(rows: dict[str, dict[str, Any]]) -> None:
-    """Print a table of rows."""
-    width = max(map(len, rows)) + 2
-    names = list(next(iter(rows.values())))
-    print(f"{'':{width}}" + "".join(f"{name:>18}" for name in names))
+def show(table: Table, rows: dict[str, dict[str, Any]]) -> None:
+    """Fill a table with rows."""
     for title, row in rows.items():
-        print(f"{title:{width}}" + "".join(f"{row[name]!s:>18}" for name in names))
+        table.add(title, *(str(cell) for cell in row.values()))
 
 
-def main() -> int:
+def main() -> None:
     """Print a row for each combination of pages."""
-    if sys.argv[1:2] == ["--browser"]:
-        show(browse(sys.argv[2], float(sys.argv[3]) if len(sys.argv) > 3 else 10.0))
-        return 0
-    seconds = float(sys.argv[1]) if len(sys.argv) > 1 else 10.0
-    rows = {
-        "no page": measure(seconds, reads=False, stalls=False),
-        "one that reads": measure(seconds, reads=True, stalls=False),
-        "one that does not": measure(seconds, reads=False, stalls=True),
-        "one of each": measure(seconds, reads=True, stalls=True),
-    }
-    show(rows)
-    return 0
+    parser = Arguments(__doc__, rounds=1)
+    parser.add_argument("--seconds", type=float, default=10.0)
+    parser.add_argument("--browser", metavar="CHROMIUM")
+    chosen = parser.parse_args()
+    seconds = 0.5 if chosen.smallest else chosen.seconds
+    with Results(__file__, chosen) as results:
+        if chosen.browser:
+            found = browse(chosen.browser, seconds)
+        else:
+            found = {
+                "no page": measure(seconds, reads=False, stalls=False),
+                "one that reads": measure(seconds, reads=True, stalls=False),
+                "one that does not": measure(seconds, reads=False, stalls=True),
+                "one of each": measure(seconds, reads=True, stalls=True),
+            }
+        columns = [(name, "s") for name in next(iter(found.values()))]
+        name = "pages" if chosen.browser else "readers"
+        show(results.table(name, "page", *columns), found)
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    main()

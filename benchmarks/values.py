@@ -11,6 +11,7 @@ omniORB has no types with headers. `cdr.py` compares with more peers.
 from __future__ import annotations
 
 import importlib
+import os
 import sys
 import tempfile
 from collections.abc import Callable, Iterator
@@ -20,10 +21,13 @@ from typing import Any
 import cdr
 import msgspec
 from cdr_peers import load_omniorb, omniorb_type, omniorb_value
+from tables import Arguments, Results
 
 FOLDER = Path(__file__).resolve().parent
 BUILT = FOLDER.parent / "build" / "speed"
 FILES = [FOLDER / "values_types.idl", FOLDER / "values_xtypes.idl"]
+
+WAYS = "encode", "decode"
 
 Task = Callable[[], object]
 
@@ -132,23 +136,39 @@ def _bound(function: Callable[..., Any], *arguments: Any) -> Task:
 
 def main() -> None:
     """Print the times in C, and the ratio of each candidate's to them."""
+    parser = Arguments(__doc__, rounds=cdr.ROUNDS)
+    parser.add_argument("titles", nargs="*", help="titles of values")
+    chosen = parser.parse_args()
     sys.path.append(str(BUILT))
-    wanted = sys.argv[1:]
-    with tempfile.TemporaryDirectory() as one, tempfile.TemporaryDirectory() as two:
+    os.environ["RTGEN_CODEC"] = "c"  # an error if they are missing
+    wanted = (
+        ["fixed", "any of a string", "mutable"] if chosen.smallest else chosen.titles
+    )
+    peers = "in Python", "omniORBpy", "msgspec msgpack"
+    columns = [(f"{name}, {way}", ".2f") for name in peers for way in WAYS]
+    with (
+        Results(__file__, chosen) as results,
+        tempfile.TemporaryDirectory() as one,
+        tempfile.TemporaryDirectory() as two,
+    ):
         found = list(samples(*generated(Path(one))))
         load_omniorb(Path(two), FILES[0])
+        ours = [(f"in C, {way} [ns]", ".0f") for way in WAYS]
+        table = results.table("kinds", "value", *ours, *columns)
         for title, value in found:
             if wanted and title not in wanted:
                 continue
-            rows = list(candidates(value))
-            times = [cdr.least_times([row[1 + way] for row in rows]) for way in (0, 1)]
-            texts = [f"{times[0][0]:6.0f} {times[1][0]:6.0f} ns"]
-            texts += (
-                f"{name} {times[0][n] / times[0][0]:.2f} {times[1][n] / times[1][0]:.2f}"
-                for n, (name, _, _) in enumerate(rows)
-                if n
-            )
-            print(f"{title:18}", "   ".join(texts), flush=True)
+            rows = {name: tasks for name, *tasks in candidates(value)}
+            both = [
+                dict(zip(rows, cdr.least_times([*tasks], chosen.rounds), strict=True))
+                for tasks in zip(*rows.values(), strict=True)
+            ]
+            ratios = [
+                times[name] / times["in C"] if name in times else None
+                for name in peers
+                for times in both
+            ]
+            table.add(title, *(times["in C"] for times in both), *ratios)
 
 
 if __name__ == "__main__":
