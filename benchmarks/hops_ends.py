@@ -353,8 +353,11 @@ def main(kind: str, process: int, hops: int, seconds: float, address: str) -> No
         steps = rtgen(address, process, hops, latencies)
     else:
         classes = {
-            "engine": Engine, "zenoh": Zenoh, "dds": Dds,
-            "corba": Corba, "rclpy": Rclpy,
+            "engine": Engine,
+            "zenoh": Zenoh,
+            "dds": Dds,
+            "corba": Corba,
+            "rclpy": Rclpy,
         }
         steps = bare(classes[kind](process, address), process, hops, latencies)
     next(steps)

@@ -1,5 +1,7 @@
 """`rtgen inspect --json` compared with `omniidl -bdump`: whole processes, interleaved, medians.
 
+    python benchmarks/idl.py
+
 A large synthetic file, and the small ones of OpenRTM. Cold: without cache, with bytecode. Cached:
 the same run again, nothing changed. Then `inspect` and `generate` without cache, beside `omniidl
 -bdump` and `-bpython`, of files of several shapes (`idl_shapes.py`): least processor times. Last, a

@@ -1,5 +1,7 @@
 """Speed of the navigation pipeline in simulated time, relative to real time.
 
+    python benchmarks/pipeline.py
+
 Five figures: the system as specified; the same system with empty behaviours (same ports, rates and
 connections), which is the runtime's share; the difference, which is the share of the behaviours
 with their ports' traffic; and the system as specified with a log of all samples, as `rtgen run

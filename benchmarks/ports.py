@@ -1,6 +1,8 @@
 """A data port's write and read in one process, compared with `collections.deque`.
 
-Run: `python benchmarks/ports.py`. Rounds are interleaved; medians and ratios are printed. The deque
+    python benchmarks/ports.py
+
+Rounds are interleaved; medians and ratios are printed. The deque
 passes a reference; the port passes a snapshot, through a ring buffer that counts losses. Values are
 checked as `System(check_values=...)` says, by default the first ones.
 """

@@ -3,7 +3,7 @@
 Each benchmark has the options of `Arguments` and prints the tables of a `Results`:
 
     def main() -> None:
-        chosen = Arguments(__doc__, rounds=3).parse_args()
+        chosen = Arguments("What it measures.", rounds=3).parse_args()
         with Results(__file__, chosen) as results:
             table = results.table("chains", "chain", ("median [us]", ".0f"))
             table.add("periodic", 12.3)

@@ -9,16 +9,30 @@ import sys
 from pathlib import Path
 
 import pytest
+import ros2_peers
+import speed
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "benchmarks"
-MARKS = {"pdo": (), "realtime": pytest.mark.waits, "latency": pytest.mark.waits}
+MARKS = {"pdo": (), "realtime": pytest.mark.waits}
 """Marks of those that `make test` starts, too."""
-PEERS: dict[str, tuple[str, ...]] = {"pdo": ("canopen",)}
-"""Modules that benchmarks need."""
-SCRIPTS = sorted(
-    p.stem for p in FOLDER.glob("*.py") if "Arguments(__doc__" in p.read_text("utf-8")
-)
+PEERS = {
+    "cdr": ("google.protobuf", "cyclonedds", "omniORB"),
+    "corba": ("omniORB",),
+    "fleet": ("zenoh",),
+    "floods": ("zenoh", "omniORB"),
+    "idl": ("omniORB",),
+    "latency": ("cyclonedds", "zenoh", "omniORB"),
+    "openrtm": ("omniORB",),
+    "payload": ("cyclonedds", "omniORB"),
+    "pdo": ("canopen",),
+    "transports": ("cyclonedds", "zenoh", "omniORB"),
+    "values": ("omniORB",),
+}
+"""Modules that benchmarks cannot do without."""
+OPTIONS = "Arguments(__doc__"
+"""What all benchmarks have, and the programs of their other processes have not."""
+SCRIPTS = sorted(p.stem for p in FOLDER.glob("*.py") if OPTIONS in p.read_text("utf-8"))
 
 sys.path.append(str(FOLDER))
 
@@ -37,6 +51,10 @@ import tables  # noqa: E402
 def test_each_benchmark_runs(name: str) -> None:
     for module in PEERS.get(name, ()):
         pytest.importorskip(module)
+    if name == "ros2" and isinstance(missing := ros2_peers.make("jazzy"), str):
+        pytest.skip(missing)
+    if name == "values":
+        speed.module()
     command = [sys.executable, str(FOLDER / f"{name}.py"), "--smallest"]
     done = subprocess.run(
         command, stdout=subprocess.PIPE, text=True, check=False, timeout=600
@@ -45,6 +63,17 @@ def test_each_benchmark_runs(name: str) -> None:
     titles, *rows = done.stdout.lstrip().splitlines()
     assert titles
     assert rows
+
+
+def test_benchmarks_have_the_common_options() -> None:
+    """Of all scripts that say how they are started, except those that make the page."""
+    started = {
+        path.stem
+        for path in FOLDER.glob("[!_]*.py")
+        if f"    python benchmarks/{path.name}" in path.read_text("utf-8")
+        and not path.stem.endswith("_ends")
+    }
+    assert started - {"page"} == {*SCRIPTS}
 
 
 def test_the_page_has_the_stored_tables() -> None:
