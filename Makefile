@@ -9,9 +9,9 @@ PIP := --quiet --disable-pip-version-check --no-compile
 LOCK := requirements/locked.txt
 CONSTRAINT = $(if $(LOCKED),--constraint $(LOCK))
 PIP += $(CONSTRAINT)
-# What an installation is made of, beside modules: grammars and templates are compiled.
+# What an installation is made of, beside modules: grammars, templates and texts are compiled.
 PACKED = pyproject.toml runtime/pyproject.toml $(wildcard grammars/*.lark \
-	src/rtgen/templates/*.j2 src/rtgen/templates/*/*.j2 src/rtgen/compiler/backends/kit/rendering.py)
+	src/rtgen/templates/*.j2 src/rtgen/templates/*/*.j2 src/rtgen/locale/*/LC_MESSAGES/*.po src/rtgen/compiler/backends/kit/rendering.py)
 INSTALL = $(BIN)/python tests/environments.py $(CONSTRAINT)
 # Tests start many processes: bytecode is written once, by the first that imports something.
 unexport PYTHONDONTWRITEBYTECODE

@@ -1,4 +1,4 @@
-"""Compiles grammars and templates, and adds the reference pipeline, when rtgen is packed."""
+"""Compiles grammars, templates and texts, and adds the reference pipeline, when rtgen is packed."""
 
 from __future__ import annotations
 
@@ -25,6 +25,8 @@ class WheelHook(BuildHookInterface):  # type: ignore[type-arg]
             write_code()
             for grammar in sorted((root / "grammars").glob("*.lark")):
                 write(grammar)
+            for catalogue in sorted((root / "src/rtgen/locale").rglob("*.po")):
+                _compile(catalogue)
             if version != "editable":
                 from rtgen.compiler.kit.resources import RH3_FILES, RH3_FOLDER
 
@@ -32,3 +34,13 @@ class WheelHook(BuildHookInterface):  # type: ignore[type-arg]
                     str(root / source): f"rtgen/{RH3_FOLDER}/{name}"
                     for name, source in RH3_FILES.items()
                 }
+
+
+def _compile(catalogue: Path) -> None:
+    from babel.messages.mofile import write_mo
+    from babel.messages.pofile import read_po
+
+    with catalogue.open("rb") as file:
+        texts = read_po(file)
+    with catalogue.with_suffix(".mo").open("wb") as file:
+        write_mo(file, texts)

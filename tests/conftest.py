@@ -24,6 +24,9 @@ settings.load_profile("rtgen")
 for _variable in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):
     os.environ.pop(_variable, None)
 
+# Messages are English, whatever the locale of who runs the tests.
+os.environ["LC_ALL"] = "C.UTF-8"
+
 # In the background Ctrl-C is ignored, also by the processes that tests start and interrupt.
 if signal.getsignal(signal.SIGINT) is signal.SIG_IGN:
     signal.signal(signal.SIGINT, signal.default_int_handler)

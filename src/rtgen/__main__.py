@@ -1,6 +1,7 @@
 """The program `rtgen`, also as `python -m rtgen`."""
 
 import gc
+import io
 import sys
 
 try:
@@ -22,6 +23,10 @@ def main() -> None:
         return
     from rtgen.tools.kit.answers import repeat
 
+    for stream in (sys.stdout, sys.stderr):
+        # Terminals of older encodings, such as cp932, lack characters of messages.
+        if isinstance(stream, io.TextIOWrapper) and stream.encoding.lower() != "utf-8":
+            stream.reconfigure(errors="replace")
     code = repeat(arguments)
     if code is None:
         from rtgen.cli import run

@@ -10,7 +10,8 @@ from collections.abc import Sequence
 import click
 
 from rtgen.cli.groups import SectionedGroup
-from rtgen.cli.help import HELP
+from rtgen.cli.help import HELP, LANGUAGE
+from rtgen.compiler.kit import translation
 from rtgen.facts.version import __version__
 from rtgen.tools.kit.exits import BAD_INPUT, Refusal
 
@@ -57,6 +58,7 @@ COMMANDS = {n: text for section in SECTIONS.values() for n, text in section.item
     hidden=frozenset({"adopt"}),
     context_settings=HELP,
 )
+@LANGUAGE
 @click.version_option(__version__, prog_name="rtgen", message="%(prog)s %(version)s")
 def application() -> None:
     """An interface compiler for robot software, from definitions to running code."""
@@ -70,6 +72,7 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
 
     `ends`: the process ends with the command, so garbage collection is disabled.
     """
+    translation.begin(_language_of_project)
     try:
         if any("\0" in each for each in arguments):
             raise click.UsageError("an argument has no null character")
@@ -94,6 +97,12 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
     except Exception as error:
         return _internal(error)
     return code if isinstance(code, int) else 0
+
+
+def _language_of_project() -> str | None:
+    from rtgen.compiler.project.language import language_of_project
+
+    return language_of_project()
 
 
 def _ended_by(error: BrokenPipeError) -> int:

@@ -8,6 +8,8 @@ import click
 
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
+from rtgen.compiler.kit.translation import translated
+from rtgen.facts.columns import padded
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, OK
 
@@ -22,7 +24,8 @@ def explain(console: Console, code: str | None) -> int:
     by_code = rules()
     if code is None:
         for rule in by_code.values():
-            write_out(f"{rule.code}  {rule.severity.value:<7}  {rule.title}\n")
+            severity = padded(translated(rule.severity.value), 7)
+            write_out(f"{rule.code}  {severity}  {translated(rule.title)}\n")
         return OK
     explained = by_code.get(code.upper())
     if explained is None:

@@ -9,7 +9,8 @@ from typing import Any
 import click
 
 from rtgen.cli.examples import EXAMPLES
-from rtgen.cli.help import write_example
+from rtgen.cli.help import write_description, write_example
+from rtgen.compiler.kit.translation import translated
 
 EXITS = "0 success, 1 negative result, 2 wrong input, 3 failed environment"
 """The exit codes of all commands."""
@@ -61,11 +62,18 @@ class LazyGroup(click.Group):
             ctx.fail(f"No such command {name!r}.{hint}")
         return super().resolve_command(ctx, args)
 
+    def format_help_text(
+        self, ctx: click.Context, formatter: click.HelpFormatter
+    ) -> None:
+        write_description(self, formatter)
+
     def format_commands(
         self, ctx: click.Context, formatter: click.HelpFormatter
     ) -> None:
-        with formatter.section("Commands"):
-            formatter.write_dl(list(self._summaries.items()))
+        with formatter.section(translated("Commands")):
+            formatter.write_dl(
+                [(name, translated(text)) for name, text in self._summaries.items()]
+            )
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         write_example(ctx, formatter)
@@ -89,7 +97,7 @@ class SectionedGroup(LazyGroup):
     ) -> None:
         more = ", ".join(self._sections["more"])
         rows = [
-            (f"{'' if number else title:9}{name}", text)
+            (f"{'' if number else title:9}{name}", translated(text))
             for title, commands in self._sections.items()
             if title != "more"
             for number, (name, text) in enumerate(commands.items())
@@ -97,9 +105,11 @@ class SectionedGroup(LazyGroup):
         formatter.write_paragraph()
         formatter.write_dl(rows)
         formatter.write(f"{'more':9}{more}\n")
-        formatter.write(f"{'options':9}--version; -h, --help, also of each command\n")
-        formatter.write(f"{'exits':9}{EXITS}\n")
-        formatter.write(f"Example: {EXAMPLES['']}\n")
+        formatter.write(
+            f"{'options':9}--version; --language, -h, --help, also of each command\n"
+        )
+        formatter.write(f"{'exits':9}{translated(EXITS)}\n")
+        formatter.write(f"{translated('Example')}: {EXAMPLES['']}\n")
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The example stands with the options."""

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import inspect
 from collections.abc import Callable, Sequence
 from typing import Any, Final, TypeVar
 
 import click
 
 from rtgen.cli.examples import EXAMPLES
+from rtgen.compiler.kit.translation import LANGUAGES, choose, translated
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -21,6 +23,23 @@ HELP: Final = {"help_option_names": ["-h", "--help"]}
 """Settings of click for each command and group, which then need none of the one above."""
 MESSAGES = "Messages"
 """The title of the options that all commands have."""
+
+
+def _choose(_: click.Context, __: click.Parameter, language: str | None) -> None:
+    if language is not None:
+        choose(language)
+
+
+LANGUAGE = click.option(
+    "--language",
+    type=click.Choice(LANGUAGES),
+    metavar="NAME",
+    is_eager=True,
+    expose_value=False,
+    callback=_choose,
+    help="Language of texts: en or ja; default: from rtgen.toml, else of the locale.",
+)
+"""The option for the language, of the program and of each command."""
 
 
 def grouped(title: str, *options: Callable[[F], F]) -> Callable[[F], F]:
@@ -61,6 +80,11 @@ class Command(click.Command):
         last = groups.pop(MESSAGES, [])
         _write(formatter, [*groups.items(), (MESSAGES, last)])
 
+    def format_help_text(
+        self, ctx: click.Context, formatter: click.HelpFormatter
+    ) -> None:
+        write_description(self, formatter)
+
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         write_example(ctx, formatter)
 
@@ -72,11 +96,20 @@ def _write(
     rows = []
     for title, records in groups:
         if records:
-            rows.append((f"{title}:", ""))
-            rows += [(f"  {option}", text) for option, text in records]
+            rows.append((f"{translated(title)}:", ""))
+            rows += [(f"  {option}", translated(text)) for option, text in records]
     formatter.write_paragraph()
     formatter.width += _MARGIN
     formatter.write_dl(rows, col_max=_WIDEST)
+
+
+def write_description(command: click.Command, formatter: click.HelpFormatter) -> None:
+    """Write what a command does, each paragraph in the language if it is translated."""
+    paragraphs = inspect.cleandoc(command.help or "").split("\n\n")
+    text = "\n\n".join(translated(" ".join(p.split())) for p in paragraphs)
+    formatter.write_paragraph()
+    with formatter.indentation():
+        formatter.write_text(text)
 
 
 def write_example(ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -84,7 +117,7 @@ def write_example(ctx: click.Context, formatter: click.HelpFormatter) -> None:
     example = EXAMPLES.get(ctx.command_path.partition(" ")[2])
     if example is not None:
         formatter.write_paragraph()
-        formatter.write(f"Example: {example}\n")
+        formatter.write(f"{translated('Example')}: {example}\n")
 
 
 def command(

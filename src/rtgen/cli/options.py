@@ -12,7 +12,7 @@ from typing import Concatenate, ParamSpec
 
 import click
 
-from rtgen.cli.help import MESSAGES, grouped
+from rtgen.cli.help import LANGUAGE, MESSAGES, grouped
 from rtgen.compiler.backends.kit.quoting import UnquotableError
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.compiler.project import (
@@ -41,6 +41,7 @@ def with_console(
             metavar="FORM",
             help="Diagnostics as text, json, sarif or github.",
         ),
+        LANGUAGE,
         click.option("-q", "--quiet", is_flag=True, help="Print diagnostics only."),
         click.option(
             "--color",

@@ -12,6 +12,7 @@ import msgspec
 
 from rtgen.cli.help import grouped
 from rtgen.cli.parameter_types import FiniteRange
+from rtgen.facts.columns import table
 from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.live.bus_session import BusSession
 from rtgen.tools.can.live.dictionary_reading import AREAS, Pace
@@ -144,10 +145,8 @@ def _print(node_file: NodeFile) -> None:
         return
     rows = [("object", "name", "type", "access", "guess")]
     rows += [msgspec.structs.astuple(row) for row in node_file.description.rows]
-    widths = [max(len(row[column]) for row in rows) for column in range(5)]
-    for row in rows:
-        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        write_out(f"{'  '.join(cells).rstrip()}\n")
+    for line in table(rows):
+        write_out(f"{line}\n")
     for line in node_file.description.refused:
         write_out(f"not described: {line}\n")
 

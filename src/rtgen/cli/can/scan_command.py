@@ -17,6 +17,7 @@ from rtgen.cli.can.options import with_bus, with_nodes
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange
+from rtgen.facts.columns import table
 from rtgen.runtime.canopen.wire.lss import LssAddress
 from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.decoding.node_index import NodeIndex
@@ -169,7 +170,5 @@ def _print(lines: list[_Row], strangers: list[LssAddress]) -> None:
             f"revision 0x{address.revision:X} serial {address.serial}"
         )
         rows.append(("-", "", "no node-id", numbers, ""))
-    widths = [max(len(row[column]) for row in rows) for column in range(5)]
-    for row in rows:
-        cells = (cell.ljust(width) for cell, width in zip(row, widths, strict=True))
-        write_out(f"{'  '.join(cells).rstrip()}\n")
+    for line in table(rows):
+        write_out(f"{line}\n")

@@ -34,7 +34,8 @@ from rtgen.tools.running.control_texts import (
 )
 
 if TYPE_CHECKING:
-    from rtgen.runtime.distribution.control import Asker
+    from rtgen.facts.columns import table
+from rtgen.runtime.distribution.control import Asker
 
 _POLL_INTERVAL = 0.1
 _HEADER = ("instance", "state", "ticks", "overruns")
@@ -58,13 +59,14 @@ def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
     elif not states:
         console.say("no process of this system has a component")
     else:
-        from rtgen.tools.running.summary import table
-
         rows = [
-            (name, state_text(state), str(state.ticks), str(state.overruns))
-            for name, state in states
+            _HEADER,
+            *(
+                (name, state_text(state), str(state.ticks), str(state.overruns))
+                for name, state in states
+            ),
         ]
-        write_out("".join(f"{line}\n" for line in table(_HEADER, rows, (0, 1))))
+        write_out("".join(f"{line}\n" for line in table(rows, right=(2, 3))))
     if profile is not None:
         instances = [c.instance for c in profile.components]
         console.say(f"condition: {condition_text(instances, dict(states))}")

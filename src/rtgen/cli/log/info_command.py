@@ -11,6 +11,7 @@ import click
 
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
+from rtgen.facts.columns import table
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
@@ -18,7 +19,6 @@ from rtgen.tools.recording.bag_writer import PROFILE
 from rtgen.tools.recording.events import Log
 from rtgen.tools.recording.mcap_writer import METADATA
 from rtgen.tools.recording.selection import reported, source
-from rtgen.tools.running.summary import table
 
 _FORMS = {"mcap": "MCAP"}
 _HEADER = ("event", "of", "type", "count", "from [s]", "to [s]")
@@ -60,7 +60,8 @@ def info_(console: Console, file: Path, as_json: bool) -> int:
         (*key, types[key], str(count), *(f"{t / SECOND:.3f}" for t in times[key]))
         for key, count in counts.items()
     ]
-    lines = [f"{file.name}: {_form(log)}", "", *table(_HEADER, rows, (0, 1, 2))]
+    cells = table([_HEADER, *rows], right=(3, 4, 5))
+    lines = [f"{file.name}: {_form(log)}", "", *cells]
     write_out("".join(f"{line}\n" for line in lines))
     return OK
 

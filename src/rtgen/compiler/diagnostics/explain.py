@@ -9,6 +9,7 @@ from types import MappingProxyType
 
 from rtgen.compiler.diagnostics import Rule, ToolError
 from rtgen.compiler.kit import plugins
+from rtgen.compiler.kit.translation import translated, translated_page
 
 MODULES = (
     "rtgen.compiler.backends.canopen.rules",
@@ -75,5 +76,7 @@ def similar(code: str) -> list[str]:
 
 
 def story(rule: Rule) -> str:
-    """Return the rule as Markdown."""
-    return f"# {rule.code}: {rule.title}\n\n{rule.explanation.strip()}\n"
+    """Return the rule as Markdown, in the language of the user."""
+    title = translated(rule.title)
+    page = translated_page(rule.explanation.strip())
+    return f"# {rule.code}: {title}\n\n{page}\n"

@@ -11,11 +11,12 @@ from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
 from pathlib import Path
 from typing import TypeAlias
-from unicodedata import category, east_asian_width
 from urllib.parse import quote
 
 from rtgen.compiler.diagnostics import Diagnostic, Fix, Rule, Severity, Span, in_order
 from rtgen.compiler.diagnostics.printable import printable
+from rtgen.compiler.kit.translation import translated
+from rtgen.facts.columns import columns
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import MAX_BYTES, is_file, read_start
 from rtgen.facts.version import __version__
@@ -56,13 +57,14 @@ def report(
 
 
 def summary(diagnostics: Sequence[Diagnostic]) -> str:
-    """Return `2 errors, 1 warning, 3 notes`; empty without diagnostics."""
+    """Return `2 errors, 1 warning, 3 notes` in the language; empty without diagnostics."""
     ordered = in_order(diagnostics)
     counts = []
     for severity in Severity:
         number = sum(d.severity is severity for d in ordered)
         if number:
-            counts.append(f"{number} {severity.value}{'s' if number > 1 else ''}")
+            text = f"{number} {severity.value}{'s' if number > 1 else ''}"
+            counts.append(translated(text))
     return ", ".join(counts)
 
 
@@ -135,16 +137,17 @@ class _Texts:
 
 def _text(d: Diagnostic, texts: _Texts, colour: bool) -> str:
     paint = _painter(colour)
-    head = f"{paint(f'{d.severity.value}[{d.code}]', _COLOURS[d.severity])}: "
+    severity = translated(d.severity.value)
+    head = f"{paint(f'{severity}[{d.code}]', _COLOURS[d.severity])}: "
     lines = [_prefix(d.span) + head + paint(_shown(d.message), "1")]
     if d.span is not None:
         lines += _excerpt(d.span, texts, paint, _COLOURS[d.severity])
     for related in d.related:
-        note = paint("note", _COLOURS[Severity.NOTE])
+        note = paint(translated("note"), _COLOURS[Severity.NOTE])
         lines.append(f"{_prefix(related.span)}{note}: {_shown(related.label)}")
         lines += _excerpt(related.span, texts, paint, _COLOURS[Severity.NOTE])
     if d.hint:
-        lines.append(f"  {paint('hint', '1;32')}: {_shown(d.hint)}")
+        lines.append(f"  {paint(translated('hint'), '1;32')}: {_shown(d.hint)}")
     return "\n".join(lines) + "\n"
 
 
@@ -192,20 +195,18 @@ def _drawn(text: str, column: int) -> tuple[str, int]:
         if character == "\t":
             character = " " * (_TAB - column % _TAB)
             width = len(character)
-        elif category(character) in ("Mn", "Me"):
-            width = 0
         else:
-            character = (
-                character if character.isprintable() else "\N{REPLACEMENT CHARACTER}"
-            )
-            width = 2 if east_asian_width(character) in "WF" else 1
+            width = columns(character)
+            if width and not character.isprintable():
+                character = "\N{REPLACEMENT CHARACTER}"
+                width = columns(character)
         drawn.append(character)
         column += width
     return "".join(drawn), column
 
 
 def _shown(text: str) -> str:
-    return printable(text, "\n")
+    return printable(translated(text), "\n")
 
 
 def _github(d: Diagnostic) -> str:

@@ -18,6 +18,7 @@ from rtgen.compiler.diagnostics import (
     has_errors,
 )
 from rtgen.compiler.kit.toml_text import TomlError, parse
+from rtgen.compiler.kit.translation import LANGUAGES
 from rtgen.compiler.project import checks, ros2_checks
 from rtgen.compiler.project.rules import (
     FILE_UNREADABLE,
@@ -37,6 +38,7 @@ _PART = r"(?:\"[^\"]*\"|'[^']*'|[\w-]+)"
 _KEY = re.compile(rf"\s*((?:{_PART}\s*\.\s*)*)({_PART})\s*=")
 
 SCHEMA: dict[str, dict[str, checks.Check] | checks.Check] = {
+    "rtgen": {"language": checks.one_of(*LANGUAGES)},
     "sources": {
         "paths": checks.paths,
         "include": checks.paths,

@@ -7,6 +7,8 @@ from dataclasses import dataclass
 from time import perf_counter_ns
 from typing import TypeAlias
 
+from rtgen.facts.columns import table
+
 _MIN_NS = 50_000
 """Minimum duration; shorter stages are omitted, since they had nothing to do."""
 
@@ -75,11 +77,7 @@ class StageTimes:
         lines.append((_TOTAL, self._clock() - self._start, ""))
         cells = [("stage", "ms", "")]
         cells += [(name, f"{ns / 1e6:.1f}", remark) for name, ns, remark in lines]
-        left, right = (max(len(row[i]) for row in cells) for i in (0, 1))
-        return "\n".join(
-            f"{name:<{left}}  {ms:>{right}}  {remark}".rstrip()
-            for name, ms, remark in cells
-        )
+        return "\n".join(table(cells, right=(1,)))
 
     def _path(self) -> Path:
         return tuple(name for name, _ in self._open)

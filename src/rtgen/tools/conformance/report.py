@@ -11,6 +11,7 @@ from typing import Final
 from xml.etree import ElementTree
 
 from rtgen.compiler.diagnostics.printable import printable
+from rtgen.facts.columns import columns, padded
 
 
 class Verdict(StrEnum):
@@ -56,10 +57,10 @@ class Report:
 def as_text(report: Report) -> str:
     """Return a line for each check, its problems below it, and the summary."""
     lines = []
-    width = max((len(o.check) for o in report.outcomes), default=0)
+    width = max((columns(o.check) for o in report.outcomes), default=0)
     for o in report.outcomes:
         tried = f" ({o.tried})" if o.tried else ""
-        lines.append(f"{o.verdict.value:7}  {o.check:{width}}  {o.title}{tried}")
+        lines.append(f"{o.verdict.value:7}  {padded(o.check, width)}  {o.title}{tried}")
         lines += (f"         {'':{width}}  - {printable(p)}" for p in o.problems)
     return "\n".join([*lines, f"{printable(report.subject)}: {report.summary}", ""])
 

@@ -28,7 +28,7 @@ COMMANDS = frozenset({"check", "lint"})
 
 VARIABLES = (
     *("CI", "COLUMNS", "FORCE_COLOR", "GITHUB_WORKSPACE", "HOME", "NO_COLOR", "TERM"),
-    *("LANG", "LC_ALL", "LC_CTYPE", "PYTHONIOENCODING", "PYTHONUTF8"),
+    *("LANG", "LC_ALL", "LC_CTYPE", "LC_MESSAGES", "PYTHONIOENCODING", "PYTHONUTF8"),
     *("PATH", "RTM_IDL", "RTM_ROOT", "TECSPATH", "_RTGEN_COMPLETE"),
 )
 """The variables of the environment that can change an answer, besides `RTGEN_...`."""
@@ -58,7 +58,7 @@ def circumstances(arguments: Sequence[str]) -> list[str]:
 
 def program() -> str:
     """Return the stamp of rtgen."""
-    parts = (os.path.join(PACKAGE, name) for name in ("cli", "tools"))
+    parts = (os.path.join(PACKAGE, name) for name in ("cli", "locale", "tools"))
     return stamp([*compiler_folders(), *parts])
 
 

@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
+from typing import TextIO
 
 import msgspec
 
@@ -149,15 +150,16 @@ def for_output(text: str) -> str:
 
 
 def write_out(text: str | bytes) -> None:
-    """Write text to standard output in UTF-8, regardless of the locale, or octets unchanged.
+    """Write text to standard output, or octets unchanged.
 
-    On a terminal, control characters are shown as U+FFFD. A closed pipe does not change the exit
-    code.
+    The text is written in the encoding of a terminal, or that of PYTHONIOENCODING, and characters
+    that it lacks are replaced; else in UTF-8, whatever the locale is. On a terminal, control
+    characters are shown as U+FFFD. A closed pipe does not change the exit code.
     """
     try:
         sys.stdout.flush()
         if isinstance(text, str):
-            text = for_output(text).encode("utf-8", "backslashreplace")
+            text = _encoded(for_output(text))
         output = _OUTPUT.get()
         if output is not None:
             output.append(text)
@@ -165,6 +167,18 @@ def write_out(text: str | bytes) -> None:
         sys.stdout.buffer.flush()
     except BrokenPipeError:
         discard_unread()
+
+
+def _encoded(text: str) -> bytes:
+    chosen = os.environ.get("PYTHONIOENCODING", "").partition(":")[0]
+    if (chosen or sys.stdout.isatty()) and not is_unicode(sys.stdout):
+        return text.encode(sys.stdout.encoding, "replace")
+    return text.encode("utf-8", "backslashreplace")
+
+
+def is_unicode(stream: TextIO) -> bool:
+    """Return whether a stream has all characters."""
+    return stream.encoding.lower().startswith("utf")
 
 
 def discard_unread() -> None:

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Container, Iterable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
 import msgspec
 
 from rtgen.compiler.systems.measures import Result
+from rtgen.facts.columns import table
 from rtgen.runtime.system.latency import Latency
 from rtgen.tools.running.trajectory import Pose
 
@@ -102,16 +103,16 @@ def summary(outcome: Outcome) -> str:
         (r.instance, r.state, *map(_count, (r.ticks, r.overruns, r.lost)))
         for r in outcome.rows
     ]
-    lines = [*table(_HEADER, cells, texts=(0, 1)), ""]
+    lines = [*table([_HEADER, *cells], right=(2, 3, 4)), ""]
     results = [*_results(outcome)]
-    width = max(len(name) for name, _ in results)
-    lines += [f"{name:<{width}}  {value}" for name, value in results]
+    lines += table(results)
     if outcome.measured:
-        lines += ["", *table(_MEASURES, map(_measured, outcome.measured), (0, 5, 6))]
+        rows = [_MEASURES, *map(_measured, outcome.measured)]
+        lines += ["", *table(rows, right=(1, 2, 3, 4))]
     chains = [each for each in outcome.latencies if each.samples]
     if chains:
         shown = map(_latency, chains[:_MAX_CHAINS])
-        lines += ["", *table(_LATENCIES, shown, texts=(4,))]
+        lines += ["", *table([_LATENCIES, *shown], right=(0, 1, 2, 3))]
     if len(chains) > _MAX_CHAINS:
         lines.append(f"chains that are not shown: {len(chains) - _MAX_CHAINS} (--json)")
     reasons = [note for row in outcome.rows for note in row.notes]
@@ -167,21 +168,6 @@ def _latency(chain: Latency) -> tuple[str, ...]:
 
 def _count(number: int | None) -> str:
     return "-" if number is None else str(number)
-
-
-def table(
-    header: tuple[str, ...], rows: Iterable[tuple[str, ...]], texts: Container[int]
-) -> list[str]:
-    """Return a text table; the columns in `texts` are aligned left, the others right."""
-    cells = [header, *rows]
-    widths = [max(map(len, column)) for column in zip(*cells, strict=True)]
-    return [
-        "  ".join(
-            text.ljust(width) if column in texts else text.rjust(width)
-            for column, (text, width) in enumerate(zip(row, widths, strict=True))
-        ).rstrip()
-        for row in cells
-    ]
 
 
 def _measured(result: Result) -> tuple[str, ...]:

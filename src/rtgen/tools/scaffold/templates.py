@@ -10,6 +10,7 @@ from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.project import FILE_NAME, file, find, shown
 from rtgen.compiler.project.rules import UNKNOWN_TEMPLATE
 from rtgen.compiler.project.templates import no_template, template_folder
+from rtgen.facts.columns import table
 from rtgen.tools.scaffold.rules import NO_PROJECT, NO_TEMPLATES
 from rtgen.tools.scaffold.starters import File
 
@@ -19,8 +20,7 @@ _SUMMARY = re.compile(r"{#\s*(.*?)\s*#}", re.DOTALL)
 def listing() -> str:
     """Return the names of all templates with what they make, one a line."""
     summaries = {name: _summary(template_source(name)) for name in template_names()}
-    width = max(map(len, summaries))
-    return "".join(f"{name:<{width}}  {text}\n" for name, text in summaries.items())
+    return "".join(f"{line}\n" for line in table([*summaries.items()]))
 
 
 def copy_of(name: str) -> File:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 
+from rtgen.facts.columns import columns, padded
 from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
@@ -111,9 +112,9 @@ def text_difference(a: str, b: str) -> str | None:
     height = max(len(left), len(right))
     left += [""] * (height - len(left))
     right += [""] * (height - len(right))
-    width = max(map(len, left))
+    width = max(map(columns, left))
     return "\n".join(
-        f"{' ' if x == y else '!'} {x.ljust(width)} | {y}".rstrip()
+        f"{' ' if x == y else '!'} {padded(x, width)} | {y}".rstrip()
         for x, y in zip(left, right, strict=True)
     )
 

@@ -15,6 +15,7 @@ from rtgen.compiler.layouts.can_supervision import (
 )
 from rtgen.compiler.layouts.can_timing import Message, Timing, load, response_times
 from rtgen.compiler.model.can_bus import Bus, BusNode
+from rtgen.facts.columns import table
 
 _IDENTITY = ("1000 device type", "1018:1 vendor", "1018:2 product", "1018:3 revision")
 
@@ -133,17 +134,4 @@ def _milliseconds(seconds: float) -> str:
 
 def _table(rows: Sequence[Sequence[str]], margin: str) -> list[str]:
     """Return rows with columns of equal width."""
-    columns = max(map(len, rows), default=0)
-    widths = [
-        max((len(row[column]) for row in rows if column < len(row)), default=0)
-        for column in range(columns)
-    ]
-    return [
-        (
-            margin
-            + "  ".join(
-                text.ljust(width) for text, width in zip(row, widths, strict=False)
-            )
-        ).rstrip()
-        for row in rows
-    ]
+    return [f"{margin}{line}".rstrip() for line in table(rows, on_terminal=False)]

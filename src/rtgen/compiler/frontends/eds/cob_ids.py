@@ -64,7 +64,8 @@ def check_one(
     rule, message = _problem(rule, service, stated, cob_id, chosen, node_id)
     if message:
         if standing(service, cob_id, chosen=chosen) is not Standing.STATED:
-            message += f"; {_in_force(number, stated, node_id, chosen=chosen)}"
+            force = _in_force(number, stated, node_id, chosen=chosen)
+            message = f"{message}; {force}"
         findings.add(rule, span, message)
 
 

@@ -73,7 +73,7 @@ def check_unknown(outline: Outline, findings: Findings) -> None:
         if meant is None:
             findings.add(lexical.UNKNOWN_SECTION, section.span, message)
         else:
-            message += ", and all in it is ignored"
+            message = f"{message}, and all in it is ignored"
             hint = f"did you mean [{meant}]?"
             findings.add(lexical.MISSPELT_SECTION, section.span, message, hint=hint)
 

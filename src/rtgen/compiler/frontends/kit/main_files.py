@@ -37,8 +37,10 @@ def open_main(
         return None
     if source is None:
         there = files.exists(path)
-        state = "is not a regular file" if there else "does not exist"
-        message = f"{shown} {'is a folder' if path.is_dir() else state}"
+        message = f"{shown} does not exist"
+        if there:
+            kind = "a folder" if path.is_dir() else "not a regular file"
+            message = f"{shown} is {kind}"
         look(NAMES, path.parent)
         others = path.parent.glob(beside)
         near = nearest(path.name, (p.name for p in others if p.is_file()))

@@ -1,0 +1,65 @@
+"""The columns that a text takes on a terminal (Unicode Standard Annex #11), and tables of texts."""
+
+from __future__ import annotations
+
+import sys
+from collections.abc import Container, Sequence
+from functools import cache
+from itertools import zip_longest
+from unicodedata import category, east_asian_width
+
+_NO_COLUMN = ("Mn", "Me", "Cf")
+_WIDE = "WF"
+_LEGACY = frozenset(
+    {"cp932", "shift_jis", "shift_jis_2004", "shift_jisx0213", "euc_jp"}
+)
+"""Encodings of terminals that show characters of ambiguous width as wide ones."""
+
+
+def columns(text: str, *, on_terminal: bool = True) -> int:
+    """Return the number of columns of a text without tabulators and line ends.
+
+    Characters of ambiguous width take two on terminals of older Japanese encodings.
+    """
+    if text.isascii():
+        return len(text)
+    wide = _WIDE + "A" * (on_terminal and _are_ambiguous_wide())
+    return sum(_columns_of(character, wide) for character in text)
+
+
+def _columns_of(character: str, wide: str) -> int:
+    if category(character) in _NO_COLUMN:
+        return 0
+    return 2 if east_asian_width(character) in wide else 1
+
+
+@cache
+def _are_ambiguous_wide() -> bool:
+    encoding = getattr(sys.stderr, "encoding", None) or ""
+    return encoding.lower().replace("-", "_") in _LEGACY
+
+
+def padded(text: str, width: int) -> str:
+    """Return a text with spaces after it, so that it takes `width` columns on a terminal."""
+    return text + " " * (width - columns(text))
+
+
+def table(
+    rows: Sequence[Sequence[str]],
+    *,
+    right: Container[int] = (),
+    on_terminal: bool = True,
+) -> list[str]:
+    """Return the lines of a table; its columns in `right` are aligned right, the others left."""
+    widths = [
+        max(columns(cell, on_terminal=on_terminal) for cell in column)
+        for column in zip_longest(*rows, fillvalue="")
+    ]
+    lines = []
+    for row in rows:
+        cells = []
+        for number, (cell, width) in enumerate(zip(row, widths, strict=False)):
+            space = " " * (width - columns(cell, on_terminal=on_terminal))
+            cells.append(space + cell if number in right else cell + space)
+        lines.append("  ".join(cells).rstrip())
+    return lines

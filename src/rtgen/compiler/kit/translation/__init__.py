@@ -1,0 +1,73 @@
+"""Texts for people in their language: that of an option, else of the project, else of the locale.
+
+Messages are made in English, as machine formats show them, and translated where they are printed:
+`translated` finds the template that a message was made from in the catalogue of the language.
+"""
+
+from __future__ import annotations
+
+import os
+from collections.abc import Callable
+
+ENGLISH = "en"
+LANGUAGES = (ENGLISH, "ja")
+
+_LOCALE = ("LC_ALL", "LC_MESSAGES", "LANG")
+
+
+def _none() -> str | None:
+    return None
+
+
+class _Choice:
+    """The language of this process, found when a text is printed."""
+
+    language: str | None = None
+    of_project: Callable[[], str | None] = staticmethod(_none)
+
+
+def choose(language: str | None) -> None:
+    """Set the language of texts; None leaves it to the project and the locale."""
+    _Choice.language = language
+
+
+def begin(of_project: Callable[[], str | None]) -> None:
+    """Begin a command: its language is not chosen yet; `of_project` returns that of the project."""
+    _Choice.language = None
+    _Choice.of_project = staticmethod(of_project)
+
+
+def language() -> str:
+    """Return the language of texts, one of LANGUAGES."""
+    if _Choice.language is None:
+        _Choice.language = _Choice.of_project() or _of_locale()
+    return _Choice.language
+
+
+def _of_locale() -> str:
+    """Return the language of the first variable of the locale that is set, as POSIX has it."""
+    locale = next(filter(None, map(os.environ.get, _LOCALE)), ENGLISH)
+    name = locale.partition(".")[0].partition("_")[0].lower()
+    return name if name in LANGUAGES else ENGLISH
+
+
+def translated(text: str) -> str:
+    """Return a text in the language; in English if the catalogue does not have it."""
+    if language() == ENGLISH:
+        return text
+    from rtgen.compiler.kit.translation.catalogue import catalogue
+
+    return catalogue(language()).translated(text)
+
+
+def translated_page(page: str) -> str:
+    """Return a page of Markdown with each paragraph in the language; code stays."""
+    if language() == ENGLISH:
+        return page
+    from rtgen.compiler.kit.translation.blocks import blocks, joined
+
+    parts = (
+        translated(joined(block)) if is_text else block
+        for block, is_text in blocks(page)
+    )
+    return "\n\n".join(parts)

@@ -1,0 +1,145 @@
+"""Catalogues of gettext: `locale/<language>/LC_MESSAGES/rtgen.mo`, made of the .po beside it.
+
+The texts are templates with the insertions `{0}`, `{1}`, in the order of the English text. Messages
+have their values already, so these are found again between the constant parts of the template.
+"""
+
+from __future__ import annotations
+
+import gettext
+import re
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+from string import Formatter
+
+FOLDER = Path(__file__).resolve().parents[3] / "locale"
+DOMAIN = "rtgen"
+_MAX_DEPTH = 4
+"""Insertions that are messages themselves, such as reasons, are translated up to this depth."""
+_MOST_TEXT = 8000
+_QUOTE = "'"
+_FEW = 16
+"""Templates with fewer characters, such as `{0} is {1}`, are in many texts of another meaning."""
+_PROSE = re.compile(r"\b[a-z]{2,} [a-z]{2,}\b")
+_QUOTED = re.compile(r"'[^']*'|`[^`]*`|\"[^\"]*\"")
+
+
+class Template:
+    """The constant parts of a text with insertions; `size` is the number of their characters."""
+
+    __slots__ = ("parts", "size")
+
+    def __init__(self, text: str) -> None:
+        self.parts = constant_parts(text)
+        self.size = sum(map(len, self.parts))
+
+    def values(self, text: str) -> list[str] | None:
+        """Return what is inserted in `text`; None if it is not made from this template."""
+        first, *inner, last = self.parts
+        end = len(text) - len(last)
+        if end < len(first) or not text.startswith(first) or not text.endswith(last):
+            return None
+        values = []
+        start = len(first)
+        for part in inner:
+            found = _found(part, text, start, end)
+            if found < 0:
+                return None
+            values.append(text[start:found])
+            start = found + len(part)
+        return [*values, text[start:end]]
+
+
+def _found(part: str, text: str, start: int, end: int) -> int:
+    """Return the place of a constant part after an insertion that begins at `start`, or -1.
+
+    It is the first one that is outside of quotes of the insertion, else the first one.
+    """
+    first = found = text.find(part, start, end)
+    quotes = 0
+    counted = start
+    while found >= 0:
+        quotes += text.count(_QUOTE, counted, found)
+        if quotes % 2 == 0:
+            return found
+        counted = found
+        found = text.find(part, found + 1, end)
+    return first
+
+
+def constant_parts(template: str) -> list[str]:
+    """Return the parts of a template around its insertions: one more than these."""
+    parts = [""]
+    for constant, field, _, _ in Formatter().parse(template):
+        parts[-1] += constant
+        if field is not None:
+            parts.append("")
+    return parts
+
+
+class Catalogue:
+    """The texts of a language."""
+
+    def __init__(self, texts: Mapping[str, str]) -> None:
+        self._plain: dict[str, str] = {}
+        self._templates: list[tuple[Template, str]] = []
+        for english, text in texts.items():
+            template = Template(english)
+            if len(template.parts) == 1:
+                self._plain[template.parts[0]] = text.format()
+            elif template.size:
+                self._templates.append((template, text))
+        self._templates.sort(key=lambda each: -each[0].size)
+
+    def translated(self, text: str) -> str:
+        """Return a text in this language; unchanged if it is made from no template."""
+        return self._translated(text, _MAX_DEPTH)
+
+    def _translated(self, text: str, depth: int) -> str:
+        plain = self._plain.get(text)
+        if plain is not None:
+            return plain
+        if depth == 0 or not 1 < len(text) <= _MOST_TEXT:
+            return text
+        mixed = None
+        for template, translation in self._templates:
+            values = template.values(text)
+            if values is None:
+                continue
+            shown = [self._translated(value, depth - 1) for value in values]
+            if not any(map(_is_prose, shown)):
+                return translation.format(*shown)
+            if mixed is None and template.size >= _FEW:
+                mixed = translation.format(*shown)
+        return text if mixed is None else mixed
+
+
+def _is_prose(text: str) -> bool:
+    """Return whether an insertion is a sentence that was not translated."""
+    return len(text) > 1 and _PROSE.search(_QUOTED.sub("", text)) is not None
+
+
+class _Entries(gettext.GNUTranslations):
+    """A catalogue of gettext that tells all its texts, to find those with insertions."""
+
+    _catalog: Mapping[object, str]
+
+    def texts(self) -> dict[str, str]:
+        """Return the translations by their English texts."""
+        return {
+            english: text
+            for english, text in self._catalog.items()
+            if isinstance(english, str) and english
+        }
+
+
+@cache
+def catalogue(language: str) -> Catalogue:
+    """Return the catalogue of a language; an empty one if it is not installed."""
+    try:
+        entries = gettext.translation(DOMAIN, FOLDER, [language], class_=_Entries)
+    except FileNotFoundError:
+        return Catalogue({})
+    assert isinstance(entries, _Entries)
+    return Catalogue(entries.texts())

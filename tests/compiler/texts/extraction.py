@@ -1,0 +1,239 @@
+"""The texts of diagnostics in the sources: what a catalogue may translate, and what each rule says.
+
+A text is a template: `{0}`, `{1}` stand for what is inserted, in the order of the English text. An
+inserted choice between constants, such as a plural, gives a template for each.
+"""
+
+from __future__ import annotations
+
+import ast
+import re
+import tomllib
+from collections.abc import Iterable, Iterator
+from functools import cache
+from importlib import import_module
+from itertools import islice, product
+from pathlib import Path
+
+from rtgen.compiler.diagnostics import Rule
+from rtgen.compiler.diagnostics.explain import MODULES, rules
+from rtgen.compiler.kit.translation.blocks import paragraphs
+
+ROOT = Path(__file__).parents[3]
+HINTS = ROOT / "src/rtgen/compiler/diagnostics/hints.toml"
+FOLDERS = (ROOT / "src/rtgen", ROOT / "runtime/src/rtgen/facts")
+_MAX_CHOICES = 64
+_MOST_CALLS = 3
+_PLACEHOLDER = re.compile(r"\{\d+\}")
+
+
+def numbered(parts: Iterable[str | None]) -> str:
+    """Return the template of constant parts and insertions, which are None."""
+    texts = []
+    number = 0
+    for part in parts:
+        if part is None:
+            texts.append(f"{{{number}}}")
+            number += 1
+        else:
+            texts.append(part.replace("{", "{{").replace("}", "}}"))
+    return "".join(texts)
+
+
+def templates(node: ast.expr) -> Iterator[str]:
+    """Yield the templates of an expression that makes a text."""
+    for parts in islice(_choices(node), _MAX_CHOICES):
+        if any(part and not part.isspace() for part in parts):
+            yield numbered(parts)
+
+
+Parts = tuple[str | None, ...]
+
+
+def _choices(node: ast.expr) -> Iterator[Parts]:
+    match node:
+        case ast.Constant(value=str(text)):
+            yield (text,)
+        case ast.JoinedStr(values=values):
+            options = [list(islice(_choices(each), _MAX_CHOICES)) for each in values]
+            for choice in islice(product(*options), _MAX_CHOICES):
+                yield tuple(part for parts in choice for part in parts)
+        case ast.FormattedValue(
+            value=value, format_spec=None, conversion=-1
+        ) if _is_choice(value):
+            yield from _choices(value)
+        case ast.IfExp(body=body, orelse=other):
+            yield from _choices(body)
+            yield from _choices(other)
+        case ast.BinOp(left=left, op=ast.Add(), right=right):
+            for first, second in product(_choices(left), _choices(right)):
+                yield (*first, *second)
+        case ast.BinOp(left=ast.Constant(value=str(text)), op=ast.Mult()):
+            yield ("",)
+            yield (text,)
+        case _:
+            yield (None,)
+
+
+def _is_choice(node: ast.expr) -> bool:
+    if isinstance(node, ast.IfExp):
+        return all(map(_is_constant, (node.body, node.orelse)))
+    return (
+        isinstance(node, ast.BinOp)
+        and isinstance(node.op, ast.Mult)
+        and isinstance(node.left, ast.Constant)
+        and isinstance(node.left.value, str)
+    )
+
+
+def _is_constant(node: ast.expr) -> bool:
+    if isinstance(node, ast.IfExp):
+        return _is_choice(node)
+    return isinstance(node, ast.Constant) and isinstance(node.value, str)
+
+
+@cache
+def modules() -> dict[Path, ast.Module]:
+    """Return the trees of all modules that can make texts of diagnostics."""
+    files = sorted(file for folder in FOLDERS for file in folder.rglob("*.py"))
+    return {
+        file: ast.parse(file.read_text(encoding="utf-8"))
+        for file in files
+        if file.name != "template_code.py" and "_idl" not in file.parts
+    }
+
+
+def texts_of_sources() -> frozenset[str]:
+    """Return all templates of the sources, whatever they are for."""
+    texts = {
+        text
+        for tree in modules().values()
+        for node in ast.walk(tree)
+        if isinstance(node, ast.Constant | ast.JoinedStr | ast.BinOp)
+        for text in templates(node)
+    }
+    # Help texts are paragraphs of docstrings.
+    for text in [*texts]:
+        if "\n\n" in text:
+            texts |= {" ".join(part.split()) for part in text.split("\n\n")}
+    return frozenset(texts)
+
+
+def written_texts() -> dict[str, list[str]]:
+    """Return what each rule says whatever the input is: its title, its hint, its page."""
+    hints = tomllib.loads(HINTS.read_text(encoding="utf-8"))
+    return {
+        code: [
+            *map(plain, (rule.title, *([hints[code]] if code in hints else []))),
+            *map(plain, paragraphs(rule.explanation)),
+        ]
+        for code, rule in rules().items()
+    }
+
+
+def said_texts() -> dict[str, set[str]]:
+    """Return the templates that calls pass on to rules, by code, as far as they are clear."""
+    texts: dict[str, set[str]] = {code: set() for code in rules()}
+    for tree in modules().values():
+        for code, text in _said(tree):
+            texts[code].add(text)
+    return texts
+
+
+def plain(text: str) -> str:
+    """Return a text without insertions as a template."""
+    return numbered((text,))
+
+
+def placeholders(template: str) -> list[str]:
+    """Return the insertions of a template, sorted."""
+    bare = template.replace("{{", "").replace("}}", "")
+    return sorted(_PLACEHOLDER.findall(bare))
+
+
+def _said(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    functions = [
+        node
+        for node in ast.walk(tree)
+        if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+    ]
+    by_name = {function.name: function for function in functions}
+    for function in functions:
+        values = _assigned(function)
+        for call in ast.walk(function):
+            if isinstance(call, ast.Call):
+                codes = _codes_of(call)
+                arguments = [*call.args, *(k.value for k in call.keywords)]
+                for argument in arguments if codes else ():
+                    for text in _texts(argument, values, by_name):
+                        yield from ((code, text) for code in codes)
+
+
+def _texts(
+    argument: ast.expr,
+    values: dict[str, list[ast.expr]],
+    functions: dict[str, ast.FunctionDef | ast.AsyncFunctionDef],
+) -> Iterator[str]:
+    match argument:
+        case ast.Name(id=name):
+            for value in values.get(name, ()):
+                yield from _texts(value, {}, functions)
+        case ast.Call(func=ast.Name(id=name)) if name in functions:
+            for node in ast.walk(functions[name]):
+                if isinstance(node, ast.Return) and node.value is not None:
+                    yield from _texts(node.value, {}, {})
+        case ast.Call(func=ast.Name(id="Related"), args=[_, label, *_]):
+            yield from _texts(label, values, functions)
+        case ast.List(elts=items) | ast.Tuple(elts=items):
+            for item in items:
+                yield from _texts(item, values, functions)
+        case ast.JoinedStr() | ast.Constant() | ast.IfExp() | ast.BinOp():
+            yield from templates(argument)
+
+
+def _assigned(function: ast.AST) -> dict[str, list[ast.expr]]:
+    values: dict[str, list[ast.expr]] = {}
+    for node in ast.walk(function):
+        match node:
+            case ast.Assign(targets=[ast.Name(id=name)], value=value):
+                values.setdefault(name, []).append(value)
+            case ast.Assign(
+                targets=[ast.Tuple(elts=names)], value=ast.Tuple(elts=items)
+            ):
+                for name_, value in zip(names, items, strict=True):
+                    if isinstance(name_, ast.Name):
+                        values.setdefault(name_.id, []).append(value)
+    return values
+
+
+@cache
+def _names() -> dict[str, frozenset[str]]:
+    codes: dict[str, set[str]] = {}
+    for module in MODULES:
+        for name, value in vars(import_module(module)).items():
+            if isinstance(value, Rule):
+                codes.setdefault(name, set()).add(value.code)
+    for folder in ("cdl", "eds", "idl"):
+        for file in (ROOT / f"src/rtgen/compiler/frontends/{folder}").rglob(
+            "rules/*.py"
+        ):
+            part = file.relative_to(ROOT / "src").with_suffix("")
+            module = import_module(".".join(part.parts).removesuffix(".__init__"))
+            for name, value in vars(module).items():
+                if isinstance(value, Rule):
+                    codes.setdefault(name, set()).add(value.code)
+    return {name: frozenset(each) for name, each in codes.items()}
+
+
+def _codes_of(call: ast.Call) -> frozenset[str]:
+    """Return the codes of the one rule that a call is about; empty if there is none."""
+    owner = call.func.value if isinstance(call.func, ast.Attribute) else None
+    for node in (owner, *call.args[:_MOST_CALLS]):
+        name = None
+        if isinstance(node, ast.Attribute):
+            name = node.attr
+        elif isinstance(node, ast.Name):
+            name = node.id
+        if name in _names() and len(_names()[name]) == 1:
+            return _names()[name]
+    return frozenset()

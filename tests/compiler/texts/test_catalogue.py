@@ -1,0 +1,163 @@
+"""The Japanese catalogue is complete for its rules, and follows the English texts.
+
+`python tests/compiler/texts/update.py` brings the catalogue to the texts of the sources; what it
+adds is empty, and these tests fail until it is translated.
+"""
+
+from __future__ import annotations
+
+import io
+import re
+from collections.abc import Iterator
+from functools import cache
+from pathlib import Path
+
+import extraction
+import pytest
+from babel.messages.catalog import Catalog
+from babel.messages.mofile import write_mo
+from babel.messages.pofile import read_po
+from update import OTHERS
+
+from rtgen.compiler.kit.translation.catalogue import FOLDER, Catalogue
+
+JA = FOLDER / "ja" / "LC_MESSAGES" / "rtgen.po"
+GOLDEN = extraction.ROOT / "tests" / "golden"
+LEAST_RULES = 60
+HEAD = re.compile(r"(?:.*?:\d+:\d+: )?(?:error|warning|note)\[([A-Z]+\d{4})\]: (.*)")
+RELATED = re.compile(r".*?:\d+:\d+: note: (.*)")
+HINT = "  hint: "
+PROSE = re.compile(r"[a-z]{2,}[ -][a-z]{2,}")
+QUOTED = re.compile(r"'[^']*'|`[^`]*`|\"[^\"]*\"|\([^)]*\)")
+ENGLISH = re.compile(r"\b[a-z]{2,} [a-z]{2,} [a-z]{2,}\b")
+
+
+@cache
+def ja() -> Catalog:
+    with JA.open("rb") as file:
+        return read_po(file, abort_invalid=True)
+
+
+@cache
+def catalogue() -> Catalogue:
+    return Catalogue({str(m.id): str(m.string) for m in ja() if m.id and m.string})
+
+
+def covered() -> set[str]:
+    """Return the codes of the rules that the catalogue has: its titles name them."""
+    return {
+        code for m in ja() for comment in m.auto_comments for code in comment.split()
+    }
+
+
+def test_the_rules_of_the_catalogue_are_written_in_japanese() -> None:
+    texts = {m.id for m in ja() if m.string}
+    written = extraction.written_texts()
+    rules = covered()
+    missing = [
+        (c, text) for c in sorted(rules) for text in written[c] if text not in texts
+    ]
+    assert not missing
+    assert len(rules) >= LEAST_RULES
+
+
+def test_entries_follow_the_english_texts() -> None:
+    """An entry whose English text was changed, or is gone, has to be translated anew."""
+    texts = set(extraction.texts_of_sources())
+    texts |= {text for each in extraction.written_texts().values() for text in each}
+    texts |= set(OTHERS)
+    assert [m.id for m in ja() if m.id and m.id not in texts] == []
+    assert not ja().obsolete
+
+
+def test_no_entry_is_empty_or_fuzzy() -> None:
+    assert [m.id for m in ja() if m.id and (m.fuzzy or not m.string)] == []
+
+
+def test_translations_have_the_insertions_of_their_texts() -> None:
+    differing = [
+        (m.id, m.string)
+        for m in ja()
+        if m.id
+        and extraction.placeholders(str(m.id)) != extraction.placeholders(str(m.string))
+    ]
+    assert not differing
+
+
+def test_code_in_a_text_stays() -> None:
+    """What is in backquotes is code, so it is the same in both languages."""
+    code = re.compile(r"`[^`]+`")
+    changed = [
+        (m.id, m.string)
+        for m in ja()
+        if m.id and set(code.findall(str(m.id))) != set(code.findall(str(m.string)))
+    ]
+    assert not changed
+
+
+def test_the_compiled_catalogue_is_that_of_the_text() -> None:
+    compiled = io.BytesIO()
+    write_mo(compiled, ja())
+    file = JA.with_suffix(".mo")
+    assert file.read_bytes() == compiled.getvalue(), "run `make` to install rtgen again"
+
+
+def _shown() -> Iterator[tuple[Path, str, str]]:
+    """Yield the messages, labels and hints that the golden cases show, with their codes."""
+    for file in sorted(GOLDEN.rglob("*.txt")):
+        if "input" in file.parts:
+            continue
+        code = None
+        for line in file.read_text(encoding="utf-8", errors="replace").split("\n"):
+            if head := HEAD.fullmatch(line):
+                code = head[1]
+                yield file, code, head[2]
+            elif code is not None and line.startswith(HINT):
+                yield file, code, line.removeprefix(HINT)
+            elif code is not None and (related := RELATED.fullmatch(line)):
+                yield file, code, related[1]
+
+
+def test_what_the_golden_cases_show_is_said_in_japanese() -> None:
+    codes = covered()
+    english = {}
+    for file, code, text in _shown():
+        if code in codes and PROSE.search(text):
+            japanese = catalogue().translated(text)
+            if japanese == text or ENGLISH.search(QUOTED.sub("", japanese)):
+                english[code, text] = (file.parent.name, japanese)
+    assert not english
+
+
+@pytest.mark.parametrize(
+    ("english", "japanese"),
+    [
+        ("plain", "文"),
+        ("no 'x' in a", "a に 'x' がない"),
+        ("no 'no 'y' in b' in a", "a に 'b に 'y' がない' がない"),
+        ("wrong: plain", "誤り: 文"),
+        ("wrong: wrong: plain", "誤り: 誤り: 文"),
+        ("wrong: {0}", "誤り: {0}"),
+        ("a {brace}", "括弧 {brace}"),
+        ("another", "another"),
+        ("", ""),
+    ],
+)
+def test_insertions_are_found_and_inserted(english: str, japanese: str) -> None:
+    texts = Catalogue(
+        {
+            "plain": "文",
+            "no '{0}' in {1}": "{1} に '{0}' がない",
+            "wrong: {0}": "誤り: {0}",
+            "a {{brace}}": "括弧 {{brace}}",
+            "{0}{1}": "never {0}{1}",
+        }
+    )
+    assert texts.translated(english) == japanese
+
+
+def test_a_hostile_text_takes_time_in_proportion_to_its_length() -> None:
+    """A template is compared from left to right once, whatever the insertions contain."""
+    texts = Catalogue({"{0} a {1} a {2} a {3} a {4} b": "{0}{1}{2}{3}{4}"})
+    text = " a " * 2000
+    assert texts.translated(text) == text

@@ -1,0 +1,192 @@
+"""The language of texts: an option, else the project's, else that of the locale; widths; cp932."""
+
+from __future__ import annotations
+
+import os
+import subprocess
+import sys
+import unicodedata
+from pathlib import Path
+
+import pytest
+
+from rtgen.cli import run
+from rtgen.facts import columns
+
+BROKEN = (
+    "struct Wheel { double radius; } ;\nstruct /* 車輪の型 */ Wheel { double d; };\n"
+)
+LOCALE = ("LC_ALL", "LC_MESSAGES", "LANG")
+
+
+@pytest.fixture
+def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    (tmp_path / "wheel.idl").write_text(BROKEN, encoding="utf-8")
+    monkeypatch.chdir(tmp_path)
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    for name in LOCALE:
+        monkeypatch.delenv(name, raising=False)
+    return tmp_path
+
+
+def said(capfd: pytest.CaptureFixture[str], *options: str) -> str:
+    assert run(["inspect", "wheel.idl", *options]) == 2
+    return capfd.readouterr().err
+
+
+@pytest.mark.parametrize(
+    ("option", "of_project", "locale", "language"),
+    [
+        ((), None, {}, "en"),
+        ((), None, {"LANG": "ja_JP.UTF-8"}, "ja"),
+        ((), None, {"LANG": "ja"}, "ja"),
+        ((), None, {"LANG": "ja_JP.UTF-8", "LC_MESSAGES": "en_GB.UTF-8"}, "en"),
+        ((), None, {"LANG": "ja_JP.UTF-8", "LC_ALL": "C"}, "en"),
+        ((), None, {"LANG": "en_US.UTF-8", "LC_ALL": "", "LC_MESSAGES": "ja_JP"}, "ja"),
+        ((), None, {"LANG": "java"}, "en"),
+        ((), None, {"LANG": "de_DE.UTF-8"}, "en"),
+        ((), "ja", {"LANG": "en_US.UTF-8"}, "ja"),
+        ((), "en", {"LANG": "ja_JP.UTF-8"}, "en"),
+        (("--language", "en"), "ja", {"LANG": "ja_JP.UTF-8"}, "en"),
+        (("--language", "ja"), "en", {"LANG": "C"}, "ja"),
+    ],
+)
+def test_the_option_goes_before_the_project_and_that_before_the_locale(
+    project: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+    option: tuple[str, ...],
+    of_project: str | None,
+    locale: dict[str, str],
+    language: str,
+) -> None:
+    if of_project is not None:
+        text = f'[rtgen]\nlanguage = "{of_project}"\n'
+        (project / "rtgen.toml").write_text(text, encoding="utf-8")
+    for name, value in locale.items():
+        monkeypatch.setenv(name, value)
+    text = said(capfd, *option)
+    assert ("エラー[IDL0202]" in text) == (language == "ja")
+    assert ("error[IDL0202]" in text) == (language == "en")
+
+
+def test_the_option_of_the_program_holds_for_its_command(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["--language", "ja", "inspect", "wheel.idl"]) == 2
+    assert "エラー 1 件" in capfd.readouterr().err
+    assert "1 error" in said(capfd)
+
+
+@pytest.mark.parametrize("form", ["json", "sarif", "github"])
+def test_machine_formats_stay_english(
+    project: Path, capfd: pytest.CaptureFixture[str], form: str
+) -> None:
+    english = said(capfd, "--diagnostics", form)
+    assert said(capfd, "--diagnostics", form, "--language", "ja") == english
+    assert english.isascii()
+
+
+def test_a_language_that_a_project_cannot_choose_is_reported(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    (project / "rtgen.toml").write_text('[rtgen]\nlanguage = "fr"\n', encoding="utf-8")
+    assert run(["generate"]) == 2
+    assert "'language' in [rtgen] must be one of 'en', 'ja'" in capfd.readouterr().err
+
+
+def test_explain_and_help_are_japanese(capfd: pytest.CaptureFixture[str]) -> None:
+    assert run(["explain", "CDL0201", "--language", "ja"]) == 0
+    page = capfd.readouterr().out
+    assert page.startswith("# CDL0201: セミコロンがない\n\n文は、")
+    assert "```cdl\n" in page
+    assert run(["--language", "ja", "--help"]) == 0
+    assert "定義からファイルを生成する。" in capfd.readouterr().out
+    assert run(["explain", "--language", "ja"]) == 0
+    assert "CDL0201  エラー   セミコロンがない" in capfd.readouterr().out
+
+
+def test_english_runs_load_no_catalogue(project: Path) -> None:
+    code = (
+        "import sys\nfrom rtgen.cli import run\nrun(['inspect', 'wheel.idl'])\n"
+        "print(*(m for m in sys.modules if m.endswith(('.catalogue', '.blocks'))"
+        " and 'translation' in m))"
+    )
+    done = _python("-c", code)
+    assert b"error[IDL0202]" in done.stderr
+    assert done.stdout.split() == []
+
+
+def test_terminals_of_cp932_get_what_they_can_show(project: Path) -> None:
+    """Characters that the encoding lacks are replaced, on both streams."""
+    (project / "wheel.idl").write_text(
+        f"{BROKEN}struct Größe☃ {{ long a; }};\n", encoding="utf-8"
+    )
+    for name in ("inspect", "explain"):
+        arguments = {"inspect": ["wheel.idl"], "explain": []}[name]
+        done = _python(
+            "-m",
+            "rtgen",
+            "--language",
+            "ja",
+            name,
+            *arguments,
+            PYTHONIOENCODING="cp932",
+        )
+        assert b"Traceback" not in done.stderr
+        text = (done.stderr + done.stdout).decode("cp932")
+        assert "エラー" in text
+        if name == "inspect":
+            assert "Gr??e?" in text.replace("\N{REPLACEMENT CHARACTER}", "?")
+
+
+def _python(*arguments: str, **environment: str) -> subprocess.CompletedProcess[bytes]:
+    variables = {**os.environ, "LC_ALL": "C.UTF-8", **environment}
+    return subprocess.run(
+        [sys.executable, *arguments], env=variables, capture_output=True, check=False
+    )
+
+
+def test_carets_are_below_the_characters_that_they_mark(
+    project: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    lines = said(capfd, "--language", "ja").split("\n")
+    source = next(line for line in lines if "車輪" in line)
+    carets = lines[lines.index(source) + 1]
+    assert columns.columns(source[: source.index("Wheel")]) == carets.index("^")
+    assert carets.count("^") == len("Wheel")
+
+
+@pytest.mark.parametrize(
+    ("text", "width"),
+    [
+        ("", 0),
+        ("abc", 3),
+        ("車輪", 4),
+        ("ｱｲｳ", 3),
+        ("\N{FULLWIDTH LATIN CAPITAL LETTER A}", 2),
+        ("e\N{COMBINING ACUTE ACCENT}", 1),
+        ("か\N{COMBINING KATAKANA-HIRAGANA VOICED SOUND MARK}", 2),
+        ("a\N{ZERO WIDTH JOINER}b", 2),
+        ("°", 1),
+    ],
+)
+def test_columns_of_a_text(text: str, width: int) -> None:
+    assert columns.columns(text) == width
+
+
+def test_ambiguous_characters_are_wide_on_terminals_of_cp932() -> None:
+    code = (
+        "from rtgen.facts.columns import columns\n"
+        "print(columns('°±'), columns('°±', on_terminal=False))"
+    )
+    assert _python("-c", code, PYTHONIOENCODING="cp932").stdout.split() == [b"4", b"2"]
+    assert _python("-c", code, PYTHONIOENCODING="utf-8").stdout.split() == [b"2", b"2"]
+    assert unicodedata.east_asian_width("°") == "A"
+
+
+def test_columns_of_a_table_are_aligned() -> None:
+    rows = [("name", "n"), ("左の車輪", "10"), ("arm", "7")]
+    lines = columns.table(rows, right=(1,))
+    assert lines == ["name       n", "左の車輪  10", "arm        7"]
+    assert {columns.columns(line) for line in lines} == {12}

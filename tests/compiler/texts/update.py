@@ -1,0 +1,45 @@
+"""Brings the catalogues of texts to the texts of the sources: python tests/compiler/texts/update.py
+
+Entries whose English text is gone become comments at the end of the file, empty ones are added for
+the texts of the rules that a catalogue covers, which are those that the comments of titles name.
+"""
+
+from __future__ import annotations
+
+import extraction
+from babel.messages.pofile import read_po, write_po
+
+from rtgen.compiler.kit.translation.catalogue import FOLDER
+
+OTHERS = (
+    *(f"{{0}} {each}{s}" for each in ("error", "warning", "note") for s in ("", "s")),
+    "Show this message and exit.",
+)
+"""Counts of diagnostics, whose severities are inserted, and a text of click."""
+WIDTH = 100
+
+
+def main() -> None:
+    """Update each catalogue, and print how much is to be translated."""
+    written = extraction.written_texts()
+    sources = set(extraction.texts_of_sources()).union(OTHERS, *written.values())
+    said = extraction.said_texts()
+    for file in sorted(FOLDER.rglob("*.po")):
+        with file.open("rb") as stream:
+            catalogue = read_po(stream)
+        codes = {c for m in catalogue for text in m.auto_comments for c in text.split()}
+        for message in [m for m in catalogue if m.id and m.id not in sources]:
+            catalogue.delete(message.id)
+            catalogue.obsolete[message.id] = message
+        for code in sorted(codes):
+            for text in (*written[code], *sorted(said[code])):
+                if text not in catalogue:
+                    catalogue.add(text)
+        with file.open("wb") as stream:
+            write_po(stream, catalogue, width=WIDTH)
+        empty = sum(1 for m in catalogue if m.id and not m.string)
+        print(f"{file.name}: {empty} to translate, {len(catalogue.obsolete)} obsolete")
+
+
+if __name__ == "__main__":
+    main()
