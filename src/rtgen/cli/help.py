@@ -37,9 +37,9 @@ LANGUAGE = click.option(
     is_eager=True,
     expose_value=False,
     callback=_choose,
-    help="Language of texts: en or ja; default: from rtgen.toml, else of the locale.",
+    hidden=True,
 )
-"""The option for the language, of the program and of each command."""
+"""The option for the language, of the program and of each command; the program's help names it."""
 
 
 def grouped(title: str, *options: Callable[[F], F]) -> Callable[[F], F]:

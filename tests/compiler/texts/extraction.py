@@ -12,7 +12,7 @@ import tomllib
 from collections.abc import Iterable, Iterator
 from functools import cache
 from importlib import import_module
-from itertools import islice, product
+from itertools import count, islice, product
 from pathlib import Path
 
 from rtgen.compiler.diagnostics import Rule
@@ -21,9 +21,14 @@ from rtgen.compiler.kit.translation.blocks import paragraphs
 
 ROOT = Path(__file__).parents[3]
 HINTS = ROOT / "src/rtgen/compiler/diagnostics/hints.toml"
-FOLDERS = (ROOT / "src/rtgen", ROOT / "runtime/src/rtgen/facts")
+FOLDERS = (
+    ROOT / "src/rtgen",
+    ROOT / "runtime/src/rtgen/facts",
+    ROOT / "runtime/src/rtgen/runtime/distribution",
+)
 _MAX_CHOICES = 64
 _MOST_CALLS = 3
+_FIELD = re.compile(r"\{\{\w*\}\}")
 _PLACEHOLDER = re.compile(r"\{\d+\}")
 
 
@@ -112,11 +117,18 @@ def texts_of_sources() -> frozenset[str]:
         if isinstance(node, ast.Constant | ast.JoinedStr | ast.BinOp)
         for text in templates(node)
     }
+    texts |= {_formatted(text) for text in texts if "{{" in text}
     # Help texts are paragraphs of docstrings.
     for text in [*texts]:
         if "\n\n" in text:
             texts |= {" ".join(part.split()) for part in text.split("\n\n")}
     return frozenset(texts)
+
+
+def _formatted(text: str) -> str:
+    """Return the template of a text that the sources format, such as `the {body} of {0}`."""
+    number = count()
+    return _FIELD.sub(lambda _: f"{{{next(number)}}}", text)
 
 
 def written_texts() -> dict[str, list[str]]:

@@ -14,8 +14,9 @@ from rtgen.compiler.kit.translation.catalogue import FOLDER
 OTHERS = (
     *(f"{{0}} {each}{s}" for each in ("error", "warning", "note") for s in ("", "s")),
     "Show this message and exit.",
+    "Unclosed array",
 )
-"""Counts of diagnostics, whose severities are inserted, and a text of click."""
+"""Counts of diagnostics, whose severities are inserted, and texts of libraries."""
 WIDTH = 100
 
 

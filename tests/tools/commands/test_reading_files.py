@@ -67,6 +67,7 @@ WRITERS = {
 """Writers of new files, of outputs that a command names, and of rtgen's own state."""
 
 OTHERS = {
+    "cli/help.py write_description",
     "compiler/lowering/profiles/definitions.py Definitions.component",
     "runtime/dds/c_log.py _Log.__init__",
     "runtime/system/monitor.py _activity",

@@ -240,8 +240,9 @@ def problems(
                 names = ", ".join(properties)
                 known_are = f"known are {names}" if names else "not of its form"
                 meant = nearest(str(key), properties)
-                guess = "" if meant is None else f"did you mean {meant!r}? "
-                yield (*path, key), f"unknown key {key!r}; {guess}{known_are}"
+                if meant is not None:
+                    known_are = f"did you mean {meant!r}? {known_are}"
+                yield (*path, key), f"unknown key {key!r}; {known_are}"
             else:
                 yield from problems(item, inner, (*path, key))
         for key in schema.get("required", ()):

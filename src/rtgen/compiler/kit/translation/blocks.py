@@ -12,7 +12,7 @@ def blocks(page: str) -> Iterator[tuple[str, bool]]:
     inside = False
     lines: list[str] = []
     for line in page.strip().split("\n"):
-        if line.startswith(_CODE):
+        if line.lstrip().startswith(_CODE):
             inside = not inside
             if inside and lines:
                 yield "\n".join(lines), True

@@ -12,6 +12,7 @@ from collections.abc import Mapping
 from functools import cache
 from pathlib import Path
 from string import Formatter
+from typing import NamedTuple
 
 FOLDER = Path(__file__).resolve().parents[3] / "locale"
 DOMAIN = "rtgen"
@@ -26,13 +27,17 @@ _QUOTED = re.compile(r"'[^']*'|`[^`]*`|\"[^\"]*\"")
 
 
 class Template:
-    """The constant parts of a text with insertions; `size` is the number of their characters."""
+    """The constant parts of a text with insertions; `size` is the number of their characters.
 
-    __slots__ = ("parts", "size")
+    A template `joins` texts if it has no letters itself, such as `{0}: {1}`.
+    """
+
+    __slots__ = ("joins", "parts", "size")
 
     def __init__(self, text: str) -> None:
         self.parts = constant_parts(text)
         self.size = sum(map(len, self.parts))
+        self.joins = not any(map(str.isalpha, "".join(self.parts)))
 
     def values(self, text: str) -> list[str] | None:
         """Return what is inserted in `text`; None if it is not made from this template."""
@@ -94,25 +99,39 @@ class Catalogue:
 
     def translated(self, text: str) -> str:
         """Return a text in this language; unchanged if it is made from no template."""
-        return self._translated(text, _MAX_DEPTH)
+        found = self._translated(text, _MAX_DEPTH)
+        return text if found is None else found.text
 
-    def _translated(self, text: str, depth: int) -> str:
+    def _translated(self, text: str, depth: int) -> _Translation | None:
         plain = self._plain.get(text)
         if plain is not None:
-            return plain
+            return _Translation(plain)
         if depth == 0 or not 1 < len(text) <= _MOST_TEXT:
-            return text
+            return None
         mixed = None
         for template, translation in self._templates:
             values = template.values(text)
             if values is None:
                 continue
-            shown = [self._translated(value, depth - 1) for value in values]
-            if not any(map(_is_prose, shown)):
-                return translation.format(*shown)
-            if mixed is None and template.size >= _FEW:
-                mixed = translation.format(*shown)
-        return text if mixed is None else mixed
+            inner = [self._translated(value, depth - 1) for value in values]
+            found = [
+                each or _Translation(value, is_whole=not _is_prose(value))
+                for value, each in zip(values, inner, strict=True)
+            ]
+            shown = translation.format(*(each.text for each in found))
+            if all(each.is_whole for each in found):
+                return _Translation(shown)
+            tells = any(inner) if template.joins else template.size >= _FEW
+            if mixed is None and tells:
+                mixed = _Translation(shown, is_whole=False)
+        return mixed
+
+
+class _Translation(NamedTuple):
+    """A text; not `is_whole` with insertions that are sentences and not translated."""
+
+    text: str
+    is_whole: bool = True
 
 
 def _is_prose(text: str) -> bool:

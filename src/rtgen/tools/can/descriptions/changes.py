@@ -156,12 +156,11 @@ class _Comparison:
             return
         if other is None and key not in _VALUES and _same(entry.value, "0"):
             return  # a flag or number that is 0 without being written
-        what = f"{entry.key}={entry.value[:_SHORT]} of [{section}] is "
-        what += (
-            f"written as {other.key}={value[:_SHORT]}"
-            if value and other
-            else "left out"
-        )
+        stated = f"{entry.key}={entry.value[:_SHORT]}"
+        what = f"{stated} of [{section}] is left out"
+        if value and other:
+            now = f"{other.key}={value[:_SHORT]}"
+            what = f"{stated} of [{section}] is written as {now}"
         fallback = "CiA 306 does not have it here"
         yield self._note(entry.span, what, fallback)
 
