@@ -190,3 +190,17 @@ def test_columns_of_a_table_are_aligned() -> None:
     lines = columns.table(rows, right=(1,))
     assert lines == ["name       n", "左の車輪  10", "arm        7"]
     assert {columns.columns(line) for line in lines} == {12}
+
+
+def test_a_stored_answer_is_in_the_language_of_its_call(project: Path) -> None:
+    (project / "rtgen.toml").write_text('[sources]\npaths = ["wheel.idl"]\n', "utf-8")
+    own = {"RTGEN_CACHE_DIR": str(project / "cache"), "LC_ALL": ""}
+    for language in ("en", "ja", "en", "ja"):
+        locale = {"en": "en_US.UTF-8", "ja": "ja_JP.UTF-8"}[language]
+        done = _python("-m", "rtgen", "check", LC_MESSAGES=locale, **own)
+        assert ("エラー" in done.stderr.decode()) == (language == "ja")
+    (project / "rtgen.toml").write_text(
+        '[rtgen]\nlanguage = "ja"\n[sources]\npaths = ["wheel.idl"]\n', "utf-8"
+    )
+    done = _python("-m", "rtgen", "check", LC_MESSAGES="en_US.UTF-8", **own)
+    assert "エラー" in done.stderr.decode()
