@@ -538,6 +538,7 @@ class DataConnector(Generic[T]):
         )
         overwrites = buffer.settings.full_policy is FullPolicy.OVERWRITE
         samples, append, send = buffer.samples, buffer.samples.append, self.send
+        drop = getattr(samples, "drop", samples.popleft)
 
         def write(value: T) -> PortStatus:
             if value.__class__ is not type_:
@@ -548,7 +549,7 @@ class DataConnector(Generic[T]):
             if not overwrites:
                 return send(value)
             sample = snapshot(value)
-            del samples[0]
+            drop()
             buffer.overwritten += 1
             append(sample)
             return PORT_OK

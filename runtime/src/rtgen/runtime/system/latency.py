@@ -29,10 +29,20 @@ _MAX_VALUES = 4096
 _BITS = 10
 """Precision of those others."""
 
-_Origin = tuple[Any, ...] | None
-"""Where a sample comes from: the time of its write [ns], if a chain begins with it, then the
-origins of what its component had read last. One that has a single origin and no time is that
-origin itself.
+_BEFORE = -1
+"""The step from the first write of a chain to what its component had read, for other chains."""
+
+
+class _Write(msgspec.Struct, gc=False):
+    """The first write of chains: its time [ns], and the origin of what its component had read."""
+
+    time: int
+    before: Any = None
+
+
+_Origin = Any
+"""Where a sample comes from: a `_Write`, that of the only input of its component, a tuple of those
+of all inputs, or None if it is not known.
 """
 
 
@@ -62,7 +72,8 @@ class Latencies:
     ) -> None:
         paths = _longest_paths(_ways(components, connectors), MAX_CHAINS)
         inputs: dict[str | None, list[_Way]] = {}
-        for way in dict.fromkeys(way for path in paths for way in path):
+        measured = dict.fromkeys(way for path in paths for way in path)
+        for way in measured:
             way.is_first = any(path[0] is way for path in paths)
             way.inputs = inputs.get(way.source, []) if way.source is not None else []
             if not way.is_cut and way.target is not None:
@@ -71,7 +82,7 @@ class Latencies:
         ends: dict[_Way, list[_Chain]] = {}
         for chain, path in zip(self._chains, paths, strict=True):
             ends.setdefault(path[-1], []).append(chain)
-        for way in dict.fromkeys(way for path in paths for way in path):
+        for way in measured:
             _measure(way, ends.get(way, []), now)
 
     def __iter__(self) -> Iterator[Latency]:
@@ -91,12 +102,11 @@ class _Chain:
         if len(path[-1].ports) == 1:
             inner.pop()  # the port of the same component is the end
         self.name = " > ".join((self.ports[0], *inner, self.ports[-1]))
-        steps = [
-            way.is_first + way.inputs.index(before)
-            for before, way in pairwise(path)
-            if way.is_first or len(way.inputs) > 1
-        ]
-        self.steps = steps[::-1]
+        steps: list[int] = []
+        for before, way in pairwise(path):
+            index = [way.inputs.index(before)] if len(way.inputs) > 1 else []
+            steps = [*[_BEFORE] * way.is_first, *index, *steps]
+        self.steps = steps
         self.counts: dict[int, int] = {}
         self.last: _Origin = None
 
@@ -105,11 +115,11 @@ class _Chain:
         for step in self.steps:
             if origin is None:
                 return
-            origin = origin[step]
+            origin = origin.before if step == _BEFORE else origin[step]
         if origin is None or origin is self.last:
             return
         self.last = origin
-        latency = now - origin[0]
+        latency = now - origin.time
         counts = self.counts
         if latency not in counts and len(counts) >= _MAX_VALUES:
             unit = max(latency.bit_length() - _BITS, 0)
@@ -139,22 +149,30 @@ def _at(counts: Iterable[tuple[int, int]], place: int) -> int:
 class _Samples(deque[Any]):
     """The samples of a buffer, with the origin of each; `origin` is that of the last one taken.
 
-    Functions of the object itself, for `append` and `popleft`, take half of the time of methods.
+    Functions of the object itself, for what is called for each sample, take half of the time of
+    methods. `drop` removes the oldest sample, which nobody has read.
     """
 
-    def __init__(
-        self, chains: Sequence[_Chain], next_origin: Any, now: Callable[[], int]
-    ) -> None:
+    def __init__(self) -> None:
         super().__init__()
         self.origin: _Origin = None
         self._origins: deque[_Origin] = deque()
-        self._end = _end_of(chains, now) if chains else None
+
+    def measure(
+        self, chains: Sequence[_Chain], next_origin: Any, now: Callable[[], int]
+    ) -> None:
+        """Keep the origins from now on; `chains` end here."""
+        end = _end_of(chains, now) if chains else None
         add, add_origin = super().append, self._origins.append
-        take, take_origin, end = super().popleft, self._origins.popleft, self._end
+        take, take_origin = super().popleft, self._origins.popleft
 
         def append(sample: Any) -> None:
             add_origin(next_origin())
             add(sample)
+
+        def drop() -> None:
+            take_origin()
+            take()
 
         def popleft() -> Any:
             self.origin = take_origin()
@@ -165,7 +183,22 @@ class _Samples(deque[Any]):
             end(take_origin())
             return take()
 
-        vars(self).update(append=append, popleft=popleft_last if end else popleft)
+        newest, newest_origin = super().pop, self._origins.pop
+        empty, empty_origins = super().clear, self._origins.clear
+
+        def pop() -> Any:
+            self.origin = newest_origin()
+            if end is not None:
+                end(self.origin)
+            return newest()
+
+        def clear() -> None:
+            empty()
+            empty_origins()
+
+        last = popleft_last if end else popleft
+        own = {"append": append, "drop": drop, "pop": pop, "clear": clear}
+        vars(self).update(own, popleft=last)
 
     def replace(self, buffer: RingBuffer[Any]) -> None:
         """Become the samples of a buffer."""
@@ -173,16 +206,6 @@ class _Samples(deque[Any]):
             self.extend(buffer.samples)
             self._origins.extend([None] * len(self))
             buffer.samples = self
-
-    def pop(self) -> Any:  # type: ignore[override]
-        self.origin = self._origins.pop()
-        if self._end is not None:
-            self._end(self.origin)
-        return super().pop()
-
-    def clear(self) -> None:
-        self._origins.clear()
-        super().clear()
 
     def __delitem__(self, place: Any) -> None:
         del self._origins[place]
@@ -222,25 +245,30 @@ def _measure(way: _Way, chains: Sequence[_Chain], now: Callable[[], int]) -> Non
         return
     publisher = way.connector.publisher
     if publisher is not None:
-        waiting = _Samples((), next_origin, now)
+        waiting = _Samples()
+        waiting.measure((), next_origin, now)
         waiting.replace(publisher.waiting)
         next_origin = lambda: waiting.origin  # noqa: E731
-    way.samples = _Samples(chains, next_origin, now)
+    way.samples.measure(chains, next_origin, now)
     way.samples.replace(way.connector.buffer)
     way.connector.target._rewire()
 
 
 def _next_origin(way: _Way, now: Callable[[], int]) -> Callable[[], _Origin]:
     """Return a function that returns the origin of the next sample."""
-    inputs = way.inputs
-    if way.is_first:
-        if not inputs:
-            return lambda: (now(),)
-        return lambda: (now(), *[each.samples.origin for each in inputs])
-    if len(inputs) == 1:
-        [only] = inputs
-        return lambda: only.samples.origin
-    return lambda: tuple([each.samples.origin for each in inputs])
+    match [each.samples for each in way.inputs], way.is_first:
+        case [], _:
+            return lambda: _Write(now())
+        case [a], True:
+            return lambda: _Write(now(), a.origin)
+        case [a], _:
+            return lambda: a.origin
+        case [a, b], True:
+            return lambda: _Write(now(), (a.origin, b.origin))
+        case inputs, True:
+            return lambda: _Write(now(), tuple([each.origin for each in inputs]))
+        case inputs, _:
+            return lambda: tuple([each.origin for each in inputs])
 
 
 class _Way(msgspec.Struct, eq=False):
@@ -262,7 +290,7 @@ class _Way(msgspec.Struct, eq=False):
     """Whether a chain begins with it."""
     inputs: list[_Way] = []
     """Ways of what its component reads."""
-    samples: Any = None
+    samples: _Samples = msgspec.field(default_factory=_Samples)
 
 
 def _ways(components: Mapping[str, Component], connectors: Iterable[Any]) -> list[_Way]:
