@@ -190,13 +190,17 @@ class InPort(Generic[T]):
     def _attach(self, connector: DataConnector[T]) -> None:
         with self._guard:
             self._connectors += (connector,)
-            self._rewire()
+            if self._arrivals is None:
+                self._rewire()
+            else:
+                self._wire(connector)
 
     def _detach(self, connector: DataConnector[T]) -> None:
         with self._guard:
-            self._connectors = tuple(c for c in self._connectors if c is not connector)
+            self._connectors = _without(self._connectors, connector)
             self.lost_when_cut += connector.lost
-            self._rewire()
+            if len(self._connectors) < 2:
+                self._rewire()
 
     def _rewire(self) -> None:
         buffers = [connector.buffer for connector in self._connectors]
@@ -209,15 +213,16 @@ class InPort(Generic[T]):
         else:
             self._arrivals = None
             self._unread = buffers[0].samples if buffers else _NOTHING
-        for buffer in buffers:
-            buffer.arrivals = self._arrivals
-        for connector in self._connectors:
-            is_told = not connector.is_fetched
-            connector.buffer.on_arrival = self._on_arrival if is_told else None
         alone = self._arrivals is None and self._guard is SINGLE_THREAD
         self._sole = buffers[0].samples if alone and buffers else _NOTHING
         for connector in self._connectors:
-            connector.source._rewire()
+            self._wire(connector)
+
+    def _wire(self, connector: DataConnector[T]) -> None:
+        connector.buffer.arrivals = self._arrivals
+        is_told = not connector.is_fetched
+        connector.buffer.on_arrival = self._on_arrival if is_told else None
+        connector.source._renew(connector)
 
 
 class OutPort(Generic[T]):
@@ -231,6 +236,7 @@ class OutPort(Generic[T]):
         "_connectors",
         "_outlets",
         "_record",
+        "_short_ways",
         "_unchecked",
         "_ways",
         "_write",
@@ -250,6 +256,7 @@ class OutPort(Generic[T]):
         self._outlets: tuple[Callable[[T], PortStatus], ...] = ()
         """Functions that send samples out of this process; they store none."""
         self._record: Callable[[T], None] | None = None
+        self._short_ways: dict[DataConnector[T], Callable[[T], PortStatus]] = {}
         self._ways: tuple[Callable[[T], PortStatus], ...] = ()
         self._check = CheckValues.NEVER
         self._unchecked = count_of(self._check)
@@ -349,15 +356,22 @@ class OutPort(Generic[T]):
 
     def _attach(self, connector: DataConnector[T]) -> None:
         self._connectors += (connector,)
+        self._short_ways[connector] = connector.short_way()
         self._rewire()
 
     def _detach(self, connector: DataConnector[T]) -> None:
-        self._connectors = tuple(c for c in self._connectors if c is not connector)
+        self._connectors = _without(self._connectors, connector)
+        self._short_ways.pop(connector, None)
         self._rewire()
 
+    def _renew(self, connector: DataConnector[T]) -> None:
+        """Choose the way of a connector again, whose other end has changed."""
+        if connector in self._short_ways:
+            self._short_ways[connector] = connector.short_way()
+            self._rewire()
+
     def _rewire(self) -> None:
-        ways = (connector.short_way() for connector in self._connectors)
-        self._ways = (*ways, *self._outlets)
+        self._ways = (*self._short_ways.values(), *self._outlets)
         write: Callable[[T], PortStatus]
         if not self._ways:
             write = self._write_to_nobody
@@ -575,6 +589,15 @@ class DataConnector(Generic[T]):
         self.target._detach(self)
 
 
+def _without(
+    connectors: tuple[DataConnector[T], ...], connector: DataConnector[T]
+) -> tuple[DataConnector[T], ...]:
+    if connector not in connectors:
+        return connectors
+    place = connectors.index(connector)
+    return connectors[:place] + connectors[place + 1 :]
+
+
 def _do_nothing() -> None:
     return None
 
@@ -587,7 +610,8 @@ def _check_types(source: OutPort[T], target: InPort[T]) -> None:
 
 def _check_limits(connector: DataConnector[T]) -> None:
     settings, source, target = connector.settings, connector.source, connector.target
-    existing = [c for c in source.connectors if c.target is target]
+    fewest = min(source.connectors, target.connectors, key=len)
+    existing = [c for c in fewest if c.source is source and c.target is target]
     if existing and not settings.allow_duplicate:
         raise DuplicateConnectionError(
             f"{source} and {target} are connected already, by {existing[0].name!r}"

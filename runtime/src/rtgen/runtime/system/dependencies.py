@@ -12,10 +12,13 @@ from rtgen.runtime.services.connectors import ServiceConnector
 
 
 class Dependencies(msgspec.Struct, eq=False):
-    """Derives dependencies from service connections; both mappings may change later."""
+    """Derives dependencies from service connections; both mappings may change later.
+
+    `_connectors` has the connections of each instance by name.
+    """
 
     _participants: Mapping[str, Participant]
-    _connectors: Mapping[str, Any]
+    _connectors: Mapping[str, Mapping[str, Any]]
 
     def order(self, instances: Sequence[str]) -> list[str]:
         """Return the instances, each after the providers of its consumers.
@@ -23,14 +26,15 @@ class Dependencies(msgspec.Struct, eq=False):
         Instances in a cycle, or without dependencies, keep their order.
         """
         ordered: list[str] = []
-        under_way: set[str] = set()
+        begun: set[str] = set()
+        wanted = set(instances)
 
         def add(instance: str) -> None:
-            if instance in ordered or instance in under_way:
+            if instance in begun:
                 return
-            under_way.add(instance)
+            begun.add(instance)
             for provider in self._providers(instance):
-                if provider in instances:
+                if provider in wanted:
                     add(provider)
             ordered.append(instance)
 
@@ -53,7 +57,7 @@ class Dependencies(msgspec.Struct, eq=False):
     def _providers(self, instance: str) -> list[str]:
         """Return the instances of this system that provide services to a component."""
         providers = []
-        for connector in tuple(self._connectors.values()):
+        for connector in tuple(self._connectors.get(instance, {}).values()):
             if isinstance(connector, ServiceConnector):
                 for consumer, provider in connector.pairs:
                     if consumer.owner == instance and provider.owner != instance:

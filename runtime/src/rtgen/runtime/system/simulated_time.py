@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Mapping
 from heapq import heapify, heappop, heappush, heapreplace
+from operator import itemgetter
 from typing import Any
 
 import msgspec
@@ -331,10 +332,13 @@ class SimulatedScheduler:
     def _cancel(self, task: Task) -> int:
         """Remove a task from the heap; return when it was due."""
         self._leave_table()
-        due = [entry[0] for entry in self._heap if entry[2] is task]
-        self._heap[:] = [entry for entry in self._heap if entry[2] is not task]
+        try:
+            place = [*map(itemgetter(2), self._heap)].index(task)
+        except ValueError:
+            return self._clock.time
+        due = self._heap.pop(place)[0]
         heapify(self._heap)
-        return due[0] if due else self._clock.time
+        return due
 
 
 def _nothing() -> None:

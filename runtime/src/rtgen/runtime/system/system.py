@@ -100,13 +100,14 @@ class System(Closable):
         self._scheduler = _scheduler(self.clock)
         self._participants: dict[str, Participant] = {}
         self._connectors: dict[str, Connector] = {}
+        self._of_instance: dict[str, dict[str, Connector]] = {}
         self._connecting = threading.RLock()
         self.closing = Closing()
         """Further actions at the end of the system."""
         self._joining = Joining(
             self._participants, self.component, self.clock.guard, transport
         )
-        self._dependencies = Dependencies(self._participants, self._connectors)
+        self._dependencies = Dependencies(self._participants, self._of_instance)
         self._flow = Flow(self._participants, self._connectors)
         self._latencies: Iterable[Latency] = ()
         self._observation = Observation(self.clock.elapsed, self.end_run)
@@ -203,10 +204,9 @@ class System(Closable):
         finally:
             if component._checkpoint is not None:
                 component._checkpoint.close()
-            for connector in list(self._connectors.values()):
+            for connector in list(self._of_instance.get(instance, {}).values()):
                 # A connection that a transport has made for this one ends with it.
-                is_present = connector.name in self._connectors
-                if is_present and instance in instances_of(connector):
+                if connector.name in self._connectors:
                     self.disconnect(connector)
         if self._transport is not None:
             self._transport.withdraw(component)
@@ -358,6 +358,8 @@ class System(Closable):
             )
         connector.attach()
         self._connectors[connector.name] = connector
+        for instance in instances_of(connector):
+            self._of_instance.setdefault(instance, {})[connector.name] = connector
         self._report_connection(connector, connected=True)
         if isinstance(connector, DataConnector) and connector.publisher is not None:
             # The writer of a connection from another process is not here.
@@ -386,6 +388,8 @@ class System(Closable):
             if not isinstance(connection, str) and connection is not connector:
                 raise UnknownConnectionError(f"{connection!r} is cut already")
             del self._connectors[name]
+            for instance in set(instances_of(connector)):
+                del self._of_instance[instance][name]
             connector.detach()
         self._report_connection(connector, connected=False)
 
