@@ -19,6 +19,10 @@ from lxml import etree
 from rtgen import api
 from rtgen.cli import run
 from rtgen.compiler.backends.kit.quoting.markdown import code, paragraphs, table, text
+from rtgen.compiler.backends.wiring.routing import MAX_WIDTH
+from rtgen.compiler.diagnostics import Span
+from rtgen.compiler.model import System, SystemComponent
+from rtgen.tools.docs.pages import first_sentence
 from rtgen.tools.docs.places import Kind, Places
 from rtgen.tools.docs.site import site
 
@@ -209,6 +213,83 @@ def test_pages_say_with_what_members_start() -> None:
     assert "Default: 7." in rows["<code>usual</code>"]
     assert "Default" not in rows["<code>none</code>"]
     assert page.count("Default: ") == 5
+
+
+def test_the_index_describes_each_page(reference: Path) -> None:
+    docs = reference / "docs"
+    index = (docs / "index.md").read_text("utf-8")
+    rows = [
+        line.strip("| ").split(" | ") for line in index.splitlines() if "](" in line
+    ]
+    pages = {path.relative_to(docs).as_posix() for path in docs.rglob("*.md")}
+    assert {re.findall(r"\]\(([^)]*)\)", row[0])[0] for row in rows} == pages - {
+        "index.md"
+    }
+    described = {row[0].partition("]")[0]: row[1] for row in rows if len(row) == 2}
+    assert described["[RTC"].startswith("1 ") is False
+    assert "structs" in described["[RTC"]
+    assert "kbit/s, load " in described["[rh3&#95;beego"]
+    assert len(described) > 0.9 * len(rows)
+    assert all(len(text) < 300 for text in described.values())
+
+
+def test_pictures_fit_the_page(reference: Path) -> None:
+    systems = reference / "docs" / "systems"
+    for picture in systems.glob("*.svg"):
+        page = picture.with_suffix(".md").read_text("utf-8")
+        root = etree.parse(picture).getroot()
+        width, height = (int(root.attrib[name]) for name in ("width", "height"))
+        assert width <= MAX_WIDTH
+        assert ('class="wiring whole"' in page) is (height <= MAX_WIDTH)
+    assert "max-width: 100%" in (reference / "docs" / "site.css").read_text("utf-8")
+
+
+def test_a_summary_is_the_first_sentence() -> None:
+    for value, summary in {
+        "Turns a joint. And more.": "Turns a joint.",
+        "Limits, e.g. of speed,\nare kept. More": "Limits, e.g. of speed, are kept.",
+        "One line\n\nAnother.": "One line",
+        "関節を回す。止める。": "関節を回す。",
+        "": "",
+    }.items():
+        assert first_sentence(value) == summary
+
+
+def test_values_have_units() -> None:
+    model = api.compile("""
+        struct S { @unit("m") double length; };
+        exception E { @unit("V") double voltage; };
+        union U switch (long) { case 1: @unit("A") double current; };
+        component C {
+          @unit("rad") attribute double angle;
+        };
+        """)
+    used = SystemComponent(
+        instance="C0",
+        type="C",
+        id="",
+        path_uri="",
+        span=Span("s.xml", 1, 1, 1, 2),
+        configuration=(("default", (("angle", "1.5"), ("other", "2"))),),
+    )
+    system = System(
+        name="s", id="", file="s.xml", abstract="", components=(used,), connections=()
+    )
+    pages = "\n".join(file.text for file in site("x", model, (system,)))
+    rows = {
+        cells[0]: cells[1:]
+        for line in pages.splitlines()
+        if line.startswith("|")
+        for cells in [line.strip("| ").split(" | ")]
+    }
+    assert rows["<code>length</code>"][1] == "m"
+    assert rows["<code>voltage</code>"][1] == "V"
+    assert rows["<code>1</code>"][2] == "A"
+    values = [
+        line for line in pages.splitlines() if line.startswith("| <code>C0</code>")
+    ]
+    assert values[1].endswith(" | rad |")
+    assert values[2].endswith(" |   |")
 
 
 def test_the_same_definitions_give_the_same_files(

@@ -8,7 +8,7 @@ from rtgen.compiler.layouts.can_messages import messages
 from rtgen.compiler.layouts.can_timing import load, response_times
 from rtgen.compiler.model.can_bus import Bus
 from rtgen.compiler.model.canopen import Device, Pdo, Variable
-from rtgen.tools.docs.pages import Content, Page
+from rtgen.tools.docs.pages import Content, Page, counted
 from rtgen.tools.docs.places import Kind
 
 
@@ -18,8 +18,9 @@ def _hexadecimal(number: object) -> str:
 
 def add_device(content: Content, page: Page, d: Device) -> None:
     """Fill the page of a device."""
-    page.description(d.file_info.description)
     info = d.info
+    page.summary = info.product_name
+    page.description(d.file_info.description)
     page.table(
         ("property", "value"),
         [
@@ -81,9 +82,10 @@ def _add_pdo(page: Page, d: Device, pdo: Pdo) -> None:
         name = "gap" if found is None else found.name
         end = start + entry.bits
         number = f"{entry.index:04X}h:{entry.subindex:X}"
-        rows.append((f"{start} to {end - 1}", code(number), name, entry.bits))
+        unit = "" if found is None else found.unit
+        rows.append((f"{start} to {end - 1}", code(number), name, entry.bits, unit))
         cells.append((start, end, name))
-    page.table(("bits", "object", "name", "width"), rows)
+    page.table(("bits", "object", "name", "width", "unit"), rows)
     page.add(_bit_map(cells))
 
 
@@ -125,12 +127,15 @@ def _bit_map(fields: list[tuple[int, int, str]]) -> str:
 def add_bus(content: Content, page: Page, bus: Bus) -> None:
     """Fill the page of a bus."""
     sent = messages(bus)
+    busy = f"{load(sent, bus.bit_rate):.1%}"
+    nodes = counted(["node"] * len(bus.nodes))
+    page.summary = f"{nodes}, {bus.bit_rate} kbit/s, load {busy}"
     page.add(f"Defined in {code(bus.key)}.")
     page.table(
         ("property", "value"),
         [
             ("bit rate", f"{bus.bit_rate} kbit/s"),
-            ("load", f"{load(sent, bus.bit_rate):.1%}"),
+            ("load", busy),
             ("manager", f"node {bus.manager}"),
             ("SYNC", f"every {bus.sync:g} s" if bus.sync else "none"),
             ("heartbeat", f"every {bus.heartbeat:g} s" if bus.heartbeat else "none"),

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+import re
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 from typing import TypeVar
@@ -21,6 +23,7 @@ from rtgen.compiler.model import Component, Extensibility, Model, PortKind, Syst
 from rtgen.tools.docs.places import Kind, Places
 
 Item = TypeVar("Item")
+_SENTENCE = re.compile(r"(?<=[.!?])\s+(?=[^a-z])|(?<=。)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -87,12 +90,27 @@ class Content:
         return code(f"{self.keys.get(file, file)}:{span.line}")
 
 
+def first_sentence(value: str) -> str:
+    """Return the first sentence of a description as one line."""
+    paragraph = " ".join(value.strip().partition("\n\n")[0].split())
+    return _SENTENCE.split(paragraph, maxsplit=1)[0]
+
+
+def counted(words: Iterable[str]) -> str:
+    """Return the number of each word, such as `3 structs, 1 enum`, in the order of the words."""
+    numbers = Counter(words)
+    return ", ".join(
+        f"{number} {word}{'s' * (number > 1)}" for word, number in numbers.items()
+    )
+
+
 @dataclass(slots=True)
 class Page:
-    """The lines of a page; `path` is without suffix."""
+    """The lines of a page; `path` is without suffix, `summary` one line for the index."""
 
     path: str
     title: str
+    summary: str = ""
     blocks: list[str] = field(default_factory=list)
 
     def add(self, *blocks: str) -> None:
@@ -105,7 +123,8 @@ class Page:
         self.blocks.append(f"{'#' * level} {text(label)}{end}")
 
     def description(self, value: str) -> None:
-        """Append a description."""
+        """Append a description, of which the first sentence is the summary of the page."""
+        self.summary = self.summary or first_sentence(value)
         self.add(paragraphs(value))
 
     def table(self, head: Sequence[str], rows: Sequence[Sequence[object]]) -> None:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, link
@@ -97,14 +97,14 @@ def _index(title: str, chapters: Mapping[str, Sequence[_Listed]]) -> Page:
     page = Page("index", title)
     for chapter, pages in chapters.items():
         page.heading(2, chapter)
-        page.add(Markdown("\n".join(_entries(pages))))
+        rows = [
+            (Markdown(link(f"{entry.path}.md", name)), entry.summary)
+            for name, entry in pages
+        ]
+        page.table(("name", "description"), rows)
     if not chapters:
         page.add("The project defines nothing yet.")
     return page
-
-
-def _entries(pages: Iterable[_Listed]) -> Iterable[str]:
-    return (f"- {link(f'{page.path}.md', name)}" for name, page in pages)
 
 
 def _settings(title: str, chapters: Mapping[str, Sequence[_Listed]]) -> str:

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import re
 from collections.abc import Iterator, Mapping
 
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code, text
 from rtgen.compiler.backends.wiring import render, view_of
+from rtgen.compiler.backends.wiring.routing import MAX_WIDTH
 from rtgen.compiler.model import Component, System
-from rtgen.tools.docs.pages import Content, File, Page
+from rtgen.tools.docs.pages import Content, File, Page, counted
 from rtgen.tools.docs.places import Kind
 
 
@@ -24,7 +26,7 @@ def pages(
     for system in content.systems:
         page = Page(content.places.page(Kind.SYSTEM, system.file), system.name)
         picture = _picture(content, page, system, components)
-        _add(content, page, system, picture)
+        _add(content, page, system, picture, components)
         yield system.name, page, picture
 
 
@@ -41,15 +43,34 @@ def _picture(
     return File(f"{page.path}.svg", drawn)
 
 
-def _add(content: Content, page: Page, system: System, picture: File) -> None:
+def _whole(picture: str) -> str:
+    """Return the class of a picture that is shown as a whole.
+
+    One of which the text would be too small is as wide as the page, and higher.
+    """
+    size = re.search(r'width="(\d+)" height="(\d+)"', picture)
+    assert size is not None
+    width, height = int(size[1]), int(size[2])
+    return " whole" if width > MAX_WIDTH or height <= MAX_WIDTH else ""
+
+
+def _add(
+    content: Content,
+    page: Page,
+    system: System,
+    picture: File,
+    components: Mapping[str, Component],
+) -> None:
     page.description(system.abstract)
+    if not page.summary:
+        page.summary = counted(["component"] * len(system.components))
     page.add(f"Defined in {code(content.keys.get(system.file, system.file))}.")
     page.heading(2, "Wiring")
     name = picture.path.rpartition("/")[2]
     label = text(f"Wiring of {system.name}")
     page.add(
-        f'<div class="wiring"><object type="image/svg+xml" data="{name}" aria-label="{label}">'
-        f"</object></div>",
+        f'<div class="wiring{_whole(picture.text)}">'
+        f'<object type="image/svg+xml" data="{name}" aria-label="{label}"></object></div>',
         f"[The picture alone]({name})",
     )
     page.heading(2, "Components")
@@ -65,15 +86,20 @@ def _add(content: Content, page: Page, system: System, picture: File) -> None:
             for c in system.components
         ],
     )
+    units = {
+        name: {each.name: each.unit for each in component.configuration}
+        for name, component in components.items()
+    }
     values = [
-        (code(c.instance), code(set_id), code(name), code(value))
+        (code(c.instance), code(set_id), code(name), code(value), unit.get(name, ""))
         for c in system.components
+        for unit in [units.get(c.type, {})]
         for set_id, pairs in c.parameter_sets
         for name, value in pairs
     ]
     if values:
         page.heading(2, "Values")
-        page.table(("instance", "set", "parameter", "value"), values)
+        page.table(("instance", "set", "parameter", "value", "unit"), values)
     page.heading(2, "Connections")
     page.table(
         ("from", "to", "properties"),

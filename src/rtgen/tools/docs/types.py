@@ -31,8 +31,9 @@ from rtgen.compiler.model import (
     ValueBox,
     Valuetype,
 )
+from rtgen.compiler.model.declarations import Documented
 from rtgen.compiler.model.initial import default_of
-from rtgen.tools.docs.pages import Content, Page
+from rtgen.tools.docs.pages import Content, Page, counted
 from rtgen.tools.docs.places import Kind
 
 GLOBAL = "global scope"
@@ -59,6 +60,7 @@ def pages(
     for module, declarations in modules.items():
         path = content.places.page(Kind.TYPE, f"module {module}")
         page = Page(path, module if module == GLOBAL else f"Module {module}")
+        page.summary = counted(kind_of(declaration) for declaration in declarations)
         for declaration in declarations:
             _add(content, page, declaration)
         yield module, page
@@ -77,11 +79,11 @@ def _add(content: Content, page: Page, d: Declaration) -> None:
             _add_struct(content, page, d)
         case ExceptionDecl():
             types = (content.places.type(m.type, page.path) for m in d.members)
-            rows = [
-                (code(m.name), type_, _described(content, m))
+            rows: list[tuple[object, ...]] = [
+                (code(m.name), type_, _unit(m), _described(content, m))
                 for m, type_ in zip(d.members, types, strict=True)
             ]
-            page.table(("member", "type", "description"), rows)
+            page.table(("member", "type", "unit", "description"), rows)
         case Union():
             _add_union(content, page, d)
         case Enum() | Bitmask():
@@ -116,13 +118,12 @@ def _add_struct(content: Content, page: Page, struct: Struct) -> None:
     rows = []
     for place, other in zip(plain.members, compact.members, strict=True):
         member = place.member
-        unit = member.annotation("unit")
         flags = [w for w in ("key", "optional", "external") if getattr(member, w)]
         rows.append(
             (
                 code(member.name),
                 content.places.type(member.type, page.path),
-                "" if unit is None else text(unit.get() or ""),
+                _unit(member),
                 *_octets(place),
                 *_octets(other),
                 text(" ".join([*flags, _described(content, member)]).strip()),
@@ -156,6 +157,12 @@ def _with_default(doc: str, default: InitialValue | None) -> str:
     return f"{doc} Default: {default_text(default)}.".strip()
 
 
+def _unit(entry: Documented) -> str:
+    """Return the unit that an annotation states, as written."""
+    unit = entry.annotation("unit")
+    return "" if unit is None else str(unit.get() or "")
+
+
 def _octets(place: MemberPlace) -> list[object]:
     """Return offset and size; `...` if they depend on values."""
     return ["..." if n is None else n for n in (place.offset, place.size)]
@@ -168,8 +175,9 @@ def _add_union(content: Content, page: Page, union: Union) -> None:
     for case in union.cases:
         shown = ", ".join(labels_of(case, content.model.unalias(union.switch)))
         type_ = content.places.type(case.type, page.path)
-        rows.append((code(shown), code(case.name), type_, _described(content, case)))
-    page.table(("label", "branch", "type", "description"), rows)
+        described = _described(content, case)
+        rows.append((code(shown), code(case.name), type_, _unit(case), described))
+    page.table(("label", "branch", "type", "unit", "description"), rows)
 
 
 def _add_interface(
