@@ -97,22 +97,19 @@ def _is_constant(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
-@cache
-def modules() -> dict[Path, ast.Module]:
-    """Return the trees of all modules that can make texts of diagnostics."""
-    files = sorted(file for folder in FOLDERS for file in folder.rglob("*.py"))
-    return {
-        file: ast.parse(file.read_text(encoding="utf-8"))
-        for file in files
-        if file.name != "template_code.py" and "_idl" not in file.parts
-    }
+def modules() -> Iterator[ast.Module]:
+    """Yield the trees of all modules that can make texts of diagnostics."""
+    for folder in FOLDERS:
+        for file in sorted(folder.rglob("*.py")):
+            if file.name != "template_code.py" and "_idl" not in file.parts:
+                yield ast.parse(file.read_text(encoding="utf-8"))
 
 
 def texts_of_sources() -> frozenset[str]:
     """Return all templates of the sources, whatever they are for."""
     texts = {
         text
-        for tree in modules().values()
+        for tree in modules()
         for node in ast.walk(tree)
         if isinstance(node, ast.Constant | ast.JoinedStr | ast.BinOp)
         for text in templates(node)
@@ -146,7 +143,7 @@ def written_texts() -> dict[str, list[str]]:
 def said_texts() -> dict[str, set[str]]:
     """Return the templates that calls pass on to rules, by code, as far as they are clear."""
     texts: dict[str, set[str]] = {code: set() for code in rules()}
-    for tree in modules().values():
+    for tree in modules():
         for code, text in _said(tree):
             texts[code].add(text)
     return texts

@@ -14,6 +14,7 @@ from math import fsum
 from rtgen.compiler.backends.wiring.diagram import Box, Diagram, Link, Medium, Tab
 from rtgen.compiler.backends.wiring.placement import Cell, folded, place
 from rtgen.compiler.backends.wiring.router import Place, Router
+from rtgen.facts.columns import columns
 
 HEADER = 46
 ROW = 34
@@ -35,6 +36,8 @@ _MIN_TEXT = 9
 
 MAX_WIDTH = README_WIDTH * TEXT_SIZE // _MIN_TEXT
 
+_SHARES = (0.0, 0.58, 1.0)
+"""Width of a character by its columns, as a share of the size of the font."""
 _LARGE = 5000
 """Height of a picture of MAX_WIDTH from which on it is drawn wider."""
 
@@ -93,7 +96,7 @@ def _share(character: str) -> float:
         return 0.33
     if character.isupper() or character in "mw_@%":
         return 0.72
-    return 0.58 if ord(character) < 0x2E80 else 1.0
+    return _SHARES[columns(character, on_terminal=False)]
 
 
 def box_width(box: Box) -> float:
