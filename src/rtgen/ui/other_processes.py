@@ -17,7 +17,7 @@ from rtgen.ui.type_table import NO_TYPE
 from rtgen.ui.watching import Attach, Key, Use, Watcher
 
 if TYPE_CHECKING:
-    from rtgen.ui.session import Session
+    from rtgen.ui.session_view import SessionView
 
 
 class OtherProcesses:
@@ -26,7 +26,7 @@ class OtherProcesses:
     Only the thread of the session's runner changes it.
     """
 
-    def __init__(self, session: Session) -> None:
+    def __init__(self, session: SessionView) -> None:
         self._session = session
         self.state = RemoteState()
         self.watcher: Watcher | None = None

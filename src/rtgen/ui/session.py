@@ -153,6 +153,11 @@ class Session:
         return self.others.state
 
     @property
+    def is_attached(self) -> bool:
+        """Whether the run of another process is shown instead of one of this one."""
+        return self.others.is_attached
+
+    @property
     def watcher(self) -> Watcher | None:
         """Who follows them."""
         return self.others.watcher

@@ -26,13 +26,13 @@ from rtgen.ui.description import STATES
 from rtgen.ui.protocol import ui
 
 if TYPE_CHECKING:
-    from rtgen.ui.session import Session
+    from rtgen.ui.session_view import SessionView
 
 
 class SystemEvents:
     """Publishes samples, states, parameters, connections, frames and calls of a system."""
 
-    def __init__(self, session: Session, system: runtime.System) -> None:
+    def __init__(self, session: SessionView, system: runtime.System) -> None:
         self._session = session
         self._system = system
         self._codecs: dict[str, Codec | None] = {}

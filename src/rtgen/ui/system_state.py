@@ -9,10 +9,10 @@ from rtgen.ui.description import planned
 from rtgen.ui.protocol import ui
 
 if TYPE_CHECKING:
-    from rtgen.ui.session import Session
+    from rtgen.ui.session_view import SessionView
 
 
-def whole(session: Session) -> ui.SystemState:
+def whole(session: SessionView) -> ui.SystemState:
     """Return the whole state."""
     remote, profile = session.remote, session.profile
     shown = (*session.system.instances, *remote.components)
@@ -25,7 +25,7 @@ def whole(session: Session) -> ui.SystemState:
             *(description.connection(c) for c in session.connectors),
             *remote.connections.values(),
         ],
-        palette=[] if session.others.is_attached else session.palette,
+        palette=[] if session.is_attached else session.palette,
         channels=[*session.channels.values(), *session.channels_beside],
         time=session.time(),
         edits=session.edit_state(),

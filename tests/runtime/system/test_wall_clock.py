@@ -21,6 +21,9 @@ STAMP = "a stamp for other machines"
 
 READERS = {
     "ui/stored_tokens.py _read": "the age of a file",
+    "tools/kit/answering.py answered": "the age of files",
+    "tools/kit/answers.py _is_valid": "the age of files",
+    "runtime/distribution/local_listener.py ServedRun.__init__": "when a run began, for people",
     "runtime/ros2/zenoh.py AttachedService._on_query.respond": STAMP,
     "runtime/ros2/zenoh_topics.py Attachments.next": STAMP,
     "runtime/timing/clocks.py RealClock.__init__": "set once",

@@ -67,12 +67,16 @@ WRITERS = {
 """Writers of new files, of outputs that a command names, and of rtgen's own state."""
 
 OTHERS = {
+    "facts/looks.py digest",
+    "compiler/kit/own_files.py read_own",
     "cli/help.py write_description",
     "compiler/lowering/profiles/definitions.py Definitions.component",
     "runtime/dds/c_log.py _Log.__init__",
     "runtime/system/monitor.py _activity",
 }
-"""Functions of the same names that open no files of a user."""
+"""Functions that read files of the cache, compare the octets of a file with those that a command
+read, or open none.
+"""
 
 _MODE = re.compile(r"[rwaxbt+]{1,3}")
 _METHODS = frozenset(("read_text", "read_bytes", "write_text", "write_bytes", "fdopen"))

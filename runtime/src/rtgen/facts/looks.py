@@ -84,6 +84,8 @@ def digest(name: str) -> str:
                     if each.name != _BYTECODE
                 )
             return sha256(os.fsencode("\0".join(names))).hexdigest()
+        if not stat.S_ISREG(os.stat(path).st_mode):
+            return NOTHING  # A device is not even opened.
         number = os.open(path, os.O_RDONLY | getattr(os, "O_NONBLOCK", 0))
         with os.fdopen(number, "rb") as stream:
             if not stat.S_ISREG(os.fstat(number).st_mode):

@@ -10,51 +10,24 @@ import os
 import socket
 import threading
 import time
-from collections.abc import Callable, Hashable
 from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from rtgen.runtime.closable import Closable
 from rtgen.runtime.distribution import local_runs
+from rtgen.runtime.distribution.local_requests import InRun
 from rtgen.runtime.distribution.local_runs import Hello
 from rtgen.runtime.failures import log
-from rtgen.runtime.requests import Queues, Requests
 from rtgen.runtime.timing.clocks import SECOND, SimulatedClock
 
 if TYPE_CHECKING:
     from rtgen.runtime.distribution.local_server import RunServer
     from rtgen.runtime.system.system import System
 
-MAX_CLIENTS: Final = 8
-_MAX_OF_CLIENT: Final = 64
-_SHARE: Final = 0.2
-"""The part of the time of a simulated run for requests."""
-_BURST: Final = 0.5
-"""Time that is saved up for them [s]."""
 _PERIOD: Final = SECOND // 10
 """Period of executing requests in a simulated run, in its time [ns]."""
-_LONGEST: Final = 0.01
-"""Time for them at once [s]."""
 _numbers = itertools.count(1)
-
-
-class InRun:
-    """Executes requests in the thread of a run, between two of its steps; see `control.Work`."""
-
-    def __init__(self) -> None:
-        self._requests = Requests(_SHARE, _BURST)
-        self._queues = Queues(self._requests, _MAX_OF_CLIENT, 1)
-
-    def submit(
-        self, work: Callable[[], None], client: Hashable, *, first: bool = False
-    ) -> bool:
-        """Execute work soon; return False if too much of the client waits."""
-        return self._queues.put(client, work, first=first)
-
-    def carry_out(self) -> None:
-        """Execute what waits."""
-        self._requests.carry_out(_LONGEST)
 
 
 class ServedRun(Closable):
@@ -90,7 +63,7 @@ class ServedRun(Closable):
             with suppress(FileNotFoundError):
                 path.unlink()  # of a process that was killed, whose number this one has
             listening.bind(str(path))
-            listening.listen(MAX_CLIENTS)
+            listening.listen(local_runs.MAX_CLIENTS)
         except OSError:
             listening.close()
             raise

@@ -16,6 +16,7 @@ from typing import Any, Final, TypeVar
 
 import msgspec
 
+MAX_CLIENTS: Final = 8
 FOLDER: Final = "RTGEN_RUN_DIR"
 """The environment variable that names the folder."""
 SUFFIX: Final = ".sock"

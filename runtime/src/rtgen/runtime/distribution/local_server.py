@@ -23,8 +23,9 @@ from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution import local_runs
 from rtgen.runtime.distribution.control import BURST, SHARE, Control
 from rtgen.runtime.distribution.data import Feed, encoder
-from rtgen.runtime.distribution.local_listener import MAX_CLIENTS, InRun
+from rtgen.runtime.distribution.local_requests import InRun
 from rtgen.runtime.distribution.local_runs import (
+    MAX_CLIENTS,
     Answer,
     Ask,
     End,
