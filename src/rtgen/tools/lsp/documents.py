@@ -7,6 +7,7 @@ from contextlib import suppress
 from dataclasses import dataclass, replace
 from enum import StrEnum
 from pathlib import Path
+from weakref import ref
 
 from lsprotocol.types import (
     PositionEncodingKind,
@@ -104,7 +105,8 @@ MAX_EDITS = 64
 
 @dataclass(frozen=True, slots=True)
 class Document:
-    """An open document at a version; `edits` are the last ones, each with the text before it.
+    """An open document at a version; `edits` are the last ones, each with the text before it, if
+    an analysis still has that.
 
     `encoding`, a key of `decoded_text.TITLES`, is that of its file.
     """
@@ -114,7 +116,7 @@ class Document:
     language: Language
     version: int
     text: Text
-    edits: tuple[tuple[Text, Shift], ...] = ()
+    edits: tuple[tuple[ref[Text], Shift], ...] = ()
     encoding: str = "utf8"
 
     def shift_from(self, text: Text) -> Shift | Shifts:
@@ -122,7 +124,7 @@ class Document:
         if text is self.text:
             return Shifts(())
         for number, (before, _) in enumerate(self.edits):
-            if before is text:
+            if before() is text:
                 return Shifts([shift for _, shift in self.edits[number:]])
         return Shift.between(text.source, self.text.source)
 
@@ -182,7 +184,7 @@ class Documents:
             else:
                 text = Text(change.text)
                 shift = Shift.between(before.source, text.source)
-            edits.append((before, shift))
+            edits.append((ref(before), shift))
         if not self._has_room(document.path, text.source):
             self.close(uri)
             return None

@@ -151,7 +151,6 @@ class Server(LanguageServer):
         def done(findings: Findings | None) -> None:
             if findings is not None:
                 self.publish(key, findings, versions)
-            _collect()
 
         versions = self._versions()
         self._run(key, self.files.emit, done)
@@ -184,7 +183,13 @@ class Server(LanguageServer):
             with suppress(RuntimeError):  # the server was shut down meanwhile
                 loop.call_soon_threadsafe(finished, future)
 
-        self._thread.submit(work, key, is_superseded).add_done_callback(hand_over)
+        def in_thread() -> Findings | None:
+            try:
+                return work(key, is_superseded)
+            finally:
+                _collect()
+
+        self._thread.submit(in_thread).add_done_callback(hand_over)
 
     def publish(
         self,
@@ -269,7 +274,8 @@ class Server(LanguageServer):
 
 
 def _collect() -> None:
-    """Collect garbage of older analyses, and exclude the rest from automatic collections.
+    """Collect garbage of older analyses, whose trees have cycles; exclude the rest from automatic
+    collections.
 
     Automatic collections would traverse all trees, and delay a request by a tenth of a second.
     """
