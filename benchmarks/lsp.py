@@ -1,16 +1,18 @@
-"""Response times of the language server after an edit of a file of 5,000 lines.
+"""Response times of the language server after an edit of a file of 5,000 lines; its memory.
 
     python benchmarks/lsp.py
 
 The server runs as an editor starts it, over pipes. Each request follows immediately on an edit, so
 the server answers while it waits for the next edit, or analyses. Wall time from the request to the
-answer as parsed JSON, and from the last edit of five to its findings.
+answer as parsed JSON, and from the last edit of five to its findings. Memory is the resident set
+after the findings of each edit, of the reference tree and of a file of 12,800 lines.
 """
 
 from __future__ import annotations
 
 import json
 import random
+import re
 import statistics
 import subprocess
 import sys
@@ -26,6 +28,12 @@ LINES = 5000
 ROUNDS = 25
 LIMIT = 0.1
 """Maximum median of each request [s]."""
+LONG = 12_800
+EDITS = 10
+MEMORY = 100
+"""Maximum resident set with the reference tree [MB]."""
+ROOT = Path(__file__).resolve().parent.parent
+_MEMBER = re.compile(r"long count;|double x;")
 
 
 def definitions(lines: int) -> str:
@@ -91,6 +99,12 @@ class Client:
         while self.published.get("version") != version:
             self._received()
 
+    @property
+    def memory(self) -> float:
+        """The resident set of the server [MB]."""
+        status = Path(f"/proc/{self._process.pid}/status").read_text(encoding="ascii")
+        return int(status.partition("VmRSS:")[2].split()[0]) / 1024
+
     def close(self) -> None:
         """End the server."""
         self.ask("shutdown")
@@ -130,7 +144,7 @@ class Session:
 
     def edit(self) -> int:
         """Add a comment or a member to a struct; return the line of the struct's name."""
-        numbers = [i for i, line in enumerate(self.lines) if "long count" in line]
+        numbers = [i for i, line in enumerate(self.lines) if _MEMBER.search(line)]
         line = self._draw.choice(numbers)
         self.version += 1
         kind = self._draw.randrange(2)
@@ -178,19 +192,43 @@ class Session:
         }
 
 
-def measured(folder: Path, rounds: int, table: Table) -> bool:
-    """Measure all requests, also the findings; return whether all are within the limit."""
-    path = folder / "large.idl"
-    text = definitions(LINES)
-    path.write_text(text, encoding="utf-8")
+def started(folder: Path, path: Path) -> tuple[Client, Session]:
+    """Start a server for a folder, and open a file; return after the findings."""
     client = Client(folder)
     client.ask(
         "initialize",
         {"processId": None, "rootUri": folder.as_uri(), "capabilities": {}},
     )
     client.notify("initialized", {})
-    session = Session(client, path, text)
+    session = Session(client, path, path.read_text(encoding="utf-8"))
     client.findings(session.version)
+    return client, session
+
+
+def memory(folder: Path, edits: int, table: Table) -> None:
+    """Measure the memory of servers: opened, and after edits."""
+    path = folder / "long.idl"
+    path.write_text(definitions(LONG), encoding="utf-8")
+    reference = ROOT / "specs" / "idl" / "intellirobot.idl"
+    for name, root, file, limit in (
+        ("reference tree", ROOT, reference, f"opened at most {MEMORY}"),
+        (f"{LONG:,} lines", folder, path, ""),
+    ):
+        client, session = started(root, file)
+        sizes = [client.memory]
+        for _ in range(edits):
+            session.edit()
+            client.findings(session.version)
+            sizes.append(client.memory)
+        table.add(name, sizes[0], sizes[len(sizes) // 2], sizes[-1], limit)
+        client.close()
+
+
+def measured(folder: Path, rounds: int, table: Table) -> bool:
+    """Measure all requests, also the findings; return whether all are within the limit."""
+    path = folder / "large.idl"
+    path.write_text(definitions(LINES), encoding="utf-8")
+    client, session = started(folder, path)
     medians, analyses = [], []
 
     def show(name: str, seconds: list[float]) -> None:
@@ -221,6 +259,9 @@ def main() -> None:
         columns = ("median [ms]", ".1f"), ("most [ms]", ".1f")
         table = results.table("requests", f"{LINES:,} lines of IDL", *columns)
         fine = measured(Path(folder), chosen.rounds, table)
+        columns = ("opened", ".0f"), ("after half", ".0f"), (f"{EDITS} edits", ".0f")
+        edits = 1 if chosen.smallest else EDITS
+        memory(Path(folder), edits, results.table("memory", "MB", *columns, "limit"))
     print(f"each median at most {1000 * LIMIT:.0f} ms: {'yes' if fine else 'no'}")
     sys.exit(not fine and not chosen.smallest)
 

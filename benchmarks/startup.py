@@ -3,9 +3,10 @@
     python benchmarks/startup.py
 
 Processor time of whole processes, bytecode present unless stated; interleaved, medians, least
-values, peak memory. Compared with: an empty interpreter of the same environment, a module of plain
-classes with the same members, and `omniidl -bdump` of the reference IDL files. The package of the
-stock types, which also contains other definitions, is imported before them.
+values, peak memory. Compared with: an empty interpreter of the same environment, `git status` of
+the same tree, a module of plain classes with the same members, and `omniidl -bdump` of the
+reference IDL files. The package of the stock types, which also contains other definitions, is
+imported before them.
 """
 
 from __future__ import annotations
@@ -53,7 +54,16 @@ LIMITS = {
 """Maximum ratios to the program compared with."""
 COLD = "rtgen generate, cold"
 UNCOMPILED = f"{COLD}, without bytecode"
-SECONDS = {"rtgen run, to the first tick": 0.35, COLD: 1.0}
+CHECK = "rtgen check, nothing changed"
+CHECK_UNCOMPILED = f"{CHECK}, without bytecode"
+EXPLAIN = "rtgen explain"
+SECONDS = {
+    CHECK: 0.06,
+    CHECK_UNCOMPILED: 0.2,
+    EXPLAIN: 0.06,
+    "rtgen run, to the first tick": 0.35,
+    COLD: 1.0,
+}
 
 
 @dataclass(slots=True)
@@ -126,12 +136,21 @@ def commands(folder: Path) -> dict[str, Measured]:
     (plain / "plain_classes.py").write_text(plain_classes(STOCK), encoding="utf-8")
     rtgen = [sys.executable, "-m", "rtgen"]
     warm = {"RTGEN_CACHE_DIR": str(folder / "cache")}
+    uncompiled = {
+        "PYTHONDONTWRITEBYTECODE": "1",
+        "PYTHONPYCACHEPREFIX": str(folder / "none"),
+    }
     paths = {"PYTHONPATH": os.pathsep.join(("generated", str(plain)))}
     found = {
         "empty interpreter": Measured([sys.executable, "-c", ""]),
         "rtgen --version": Measured([*rtgen, "--version"]),
         "rtgen --help": Measured([*rtgen, "--help"]),
-        "rtgen check, nothing changed": Measured([*rtgen, "check"], warm),
+        "git status": Measured(["git", "status"]),
+        CHECK: Measured([*rtgen, "check"], warm),
+        CHECK_UNCOMPILED: Measured([*rtgen, "check"], warm | uncompiled),
+        "rtgen lint, nothing changed": Measured([*rtgen, "lint"], warm),
+        "rtgen lint, no cache": Measured([*rtgen, "lint", "--no-cache"]),
+        EXPLAIN: Measured([*rtgen, "explain", "IDL0200"]),
         "rtgen run, to the first tick": Measured(
             [*rtgen, "run", SYSTEM, "--until", "0.001"], warm
         ),

@@ -92,6 +92,13 @@ def written(name: str, text: str = "") -> Callable[[], None]:
     return write
 
 
+def remove(path: Path) -> None:
+    if path.is_dir():
+        shutil.rmtree(path)
+    else:
+        path.unlink()
+
+
 def replaced_by_link(name: str) -> Callable[[], None]:
     def link() -> None:
         file = Path(name)
@@ -151,7 +158,7 @@ def test_what_changes_is_seen(
             assert answers.repeat(LINT) is None, name
         assert capfd.readouterr() == ("", ""), name
         for each in project.iterdir():
-            shutil.rmtree(each) if each.is_dir() else each.unlink()
+            remove(each)
         shutil.copytree(before, project, symlinks=True, dirs_exist_ok=True)
         for command, output in outputs.items():
             code = answers.repeat(command)
@@ -261,7 +268,12 @@ def test_a_time_alone_is_stored(
     monkeypatch.setattr(looks, "is_settled", lambda *_: True)
     read: list[str] = []
     digest = looks.digest
-    monkeypatch.setattr(looks, "digest", lambda n: (read.append(n), digest(n))[1])
+
+    def noting(name: str) -> str:
+        read.append(name)
+        return digest(name)
+
+    monkeypatch.setattr(looks, "digest", noting)
     assert answers.repeat(CHECK) == 0
     assert read
     read.clear()
@@ -281,6 +293,27 @@ def test_lint_prints_the_same_with_and_without_cache(
     assert err
     assert run([*command, "--no-cache"]) == code
     assert capfd.readouterr() == (out, err)
+
+
+@pytest.mark.parametrize("code", ["IDL0200", "idl020", ""])
+def test_a_page_is_stored(
+    project: Path,
+    code: str,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    printed(("explain", *filter(None, [code])), monkeypatch, capfd)
+
+
+def test_a_page_for_a_terminal_is_not_stored(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    command = ["explain", "IDL0200"]
+    monkeypatch.setattr(sys, "argv", ["rtgen", *command])
+    monkeypatch.setattr(sys.stdout, "isatty", lambda: True)
+    for _ in range(3):
+        assert run(command, ends=True) == 0
+        assert answers.repeat(command) is None
 
 
 def test_a_fix_is_made_each_time(

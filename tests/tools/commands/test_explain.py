@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import ast
+import importlib
 import re
 import tomllib
 from pathlib import Path
@@ -13,7 +14,7 @@ from rtgen_sources import trees
 from rtgen.cli import run
 from rtgen.compiler import diagnostics
 from rtgen.compiler.diagnostics import Rule, Severity
-from rtgen.compiler.diagnostics.explain import MODULES, rules
+from rtgen.compiler.diagnostics.explain import MODULES, rule_of, rules
 
 FOLDER = Path(diagnostics.__file__).parent
 
@@ -39,6 +40,15 @@ def test_codes_titles_and_stories_are_whole() -> None:
         assert re.fullmatch(r"[A-Z]{2,4}\d{4}", code)
         assert rule.title
         assert len(rule.explanation.split()) > 4, code
+
+
+def test_each_rule_is_where_its_letters_say() -> None:
+    for name, letters in MODULES.items():
+        codes = {rule.code for rule in importlib.import_module(name).RULES}
+        assert {code.rstrip("0123456789") for code in codes} == {*letters.split()}
+    for code, rule in rules().items():
+        assert rule_of(code.lower()) is rule
+    assert rule_of("XYZ0001") is None
 
 
 def test_every_page_belongs_to_a_rule() -> None:

@@ -9,6 +9,8 @@ from pathlib import Path
 
 import msgspec
 
+from rtgen.facts.looks import CONTENT, look
+
 _PAGES = Path(__file__).parent / "pages"
 _HINTS = Path(__file__).with_name("hints.toml")
 
@@ -122,6 +124,7 @@ def rules_of(names: Mapping[str, object]) -> tuple[Rule, ...]:
 @cache
 def _page(code: str) -> str:
     page = _PAGES / f"{code}.md"
+    look(CONTENT, page)
     return page.read_text(encoding="utf-8") if page.is_file() else ""
 
 

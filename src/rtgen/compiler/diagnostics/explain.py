@@ -11,38 +11,51 @@ from rtgen.compiler.diagnostics import Rule, ToolError
 from rtgen.compiler.kit import plugins
 from rtgen.compiler.kit.translation import translated, translated_page
 
-MODULES = (
-    "rtgen.compiler.backends.canopen.rules",
-    "rtgen.compiler.backends.components.rules",
-    "rtgen.compiler.backends.kit.rules",
-    "rtgen.openrtm.backend.rules",
-    "rtgen.openrtm.backend.system_rules",
-    "rtgen.ros2.backend.rules",
-    "rtgen.compiler.backends.small.rules",
-    "rtgen.compiler.lowering.tecs.rules",
-    "rtgen.compiler.backends.types.rules",
-    "rtgen.compiler.backends.typescript.rules",
-    "rtgen.tools.diff.kinds.catalogue",
-    "rtgen.compiler.frontends.bus.rules",
-    "rtgen.compiler.frontends.cdl.rules",
-    "rtgen.compiler.frontends.eds.rules",
-    "rtgen.compiler.frontends.idl.rules",
-    "rtgen.compiler.frontends.kit.characters",
-    "rtgen.openrtm.python_modules.rules",
-    "rtgen.ros2.rosidl.rules",
-    "rtgen.compiler.typemap.profiles.rules",
-    "rtgen.compiler.frontends.profiles.rts_profile",
-    "rtgen.tools.fmt.rules",
-    "rtgen.compiler.lint.rules",
-    "rtgen.compiler.project.rules",
-    "rtgen.tools.scaffold.rules",
-    "rtgen.compiler.lowering.adapter_rules",
-    "rtgen.compiler.lowering.numeric_rules",
-    "rtgen.compiler.lowering.canopen.rules",
-    "rtgen.compiler.systems.checks",
-    "rtgen.compiler.systems.rules",
-)
-"""The modules of rtgen that define `RULES`."""
+MODULES = {
+    "rtgen.compiler.backends.canopen.rules": "EDS",
+    "rtgen.compiler.backends.components.rules": "RTC",
+    "rtgen.compiler.backends.kit.rules": "PRJ",
+    "rtgen.openrtm.backend.rules": "RTC",
+    "rtgen.openrtm.backend.system_rules": "RTC",
+    "rtgen.ros2.backend.rules": "ROS",
+    "rtgen.compiler.backends.small.rules": "RTC",
+    "rtgen.compiler.lowering.tecs.rules": "CDL",
+    "rtgen.compiler.backends.types.rules": "PY",
+    "rtgen.compiler.backends.typescript.rules": "TS",
+    "rtgen.tools.diff.kinds.catalogue": "DIF",
+    "rtgen.compiler.frontends.bus.rules": "EDS",
+    "rtgen.compiler.frontends.cdl.rules": "CDL",
+    "rtgen.compiler.frontends.eds.rules": "EDS",
+    "rtgen.compiler.frontends.idl.rules": "IDL",
+    "rtgen.compiler.frontends.kit.characters": "TXT",
+    "rtgen.openrtm.python_modules.rules": "RTC",
+    "rtgen.ros2.rosidl.rules": "ROS",
+    "rtgen.compiler.typemap.profiles.rules": "RTC",
+    "rtgen.compiler.frontends.profiles.rts_profile": "RTC",
+    "rtgen.tools.fmt.rules": "FMT",
+    "rtgen.compiler.lint.rules": "LINT",
+    "rtgen.compiler.project.rules": "ENV PRJ",
+    "rtgen.tools.scaffold.rules": "NEW",
+    "rtgen.compiler.lowering.adapter_rules": "ADP",
+    "rtgen.compiler.lowering.numeric_rules": "NUM",
+    "rtgen.compiler.lowering.canopen.rules": "EDS",
+    "rtgen.compiler.systems.checks": "RTC",
+    "rtgen.compiler.systems.rules": "SYS",
+}
+"""The modules of rtgen that define `RULES`, with the letters of their codes."""
+
+
+def rule_of(code: str) -> Rule | None:
+    """Return the rule of a code, in any case; only modules with such codes are imported."""
+    code = code.upper()
+    letters = code.rstrip("0123456789")
+    for name, own in MODULES.items():
+        if letters in own.split():
+            for rule in import_module(name).RULES:
+                if rule.code == code:
+                    assert isinstance(rule, Rule)
+                    return rule
+    return rules().get(code)
 
 
 @cache

@@ -12,7 +12,7 @@ from rtgen.compiler.kit import plugins
 from rtgen.compiler.project import cache
 from rtgen.facts import looks
 from rtgen.tools.kit import answers
-from rtgen.tools.kit.console import noted_output
+from rtgen.tools.kit.console import is_noted, noted_output
 from rtgen.tools.kit.exits import FAILED
 
 _METADATA = (".dist-info", ".egg-info")
@@ -28,7 +28,8 @@ def answered(arguments: list[str], command: Callable[[], int]) -> int:
     called = answers.circumstances(arguments)
     with looks.noted() as seen, noted_output() as output:
         code = command()
-    if code == FAILED or plugins.announced(*plugins.Group):
+        is_whole = is_noted()
+    if not is_whole or code == FAILED or plugins.announced(*plugins.Group):
         return code
     for name in _of_packages():
         seen.setdefault(name, looks.status(name))

@@ -23,12 +23,20 @@ from rtgen.compiler.kit.own_files import (
 )
 from rtgen.facts import looks
 
-COMMANDS = frozenset({"check", "lint"})
+COMMANDS = frozenset({"check", "explain", "lint"})
 """The commands whose answers are stored."""
 
 VARIABLES = (
     *("CI", "COLUMNS", "FORCE_COLOR", "GITHUB_WORKSPACE", "HOME", "NO_COLOR", "TERM"),
-    *("LANG", "LC_ALL", "LC_CTYPE", "LC_MESSAGES", "PYTHONIOENCODING", "PYTHONUTF8"),
+    *(
+        "LANG",
+        "LC_ALL",
+        "LC_CTYPE",
+        "LC_MESSAGES",
+        "LC_MESSAGES",
+        "PYTHONIOENCODING",
+        "PYTHONUTF8",
+    ),
     *("PATH", "RTM_IDL", "RTM_ROOT", "TECSPATH", "_RTGEN_COMPLETE"),
 )
 """The variables of the environment that can change an answer, besides `RTGEN_...`."""

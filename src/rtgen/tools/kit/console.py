@@ -51,7 +51,7 @@ class Console(msgspec.Struct, frozen=True):
             if fold and self.form == "text":
                 diagnostics, folded = _folded(diagnostics)
             text = report(diagnostics, sources or {}, self.form, colour=self.colour)
-            _write_error(text)
+            write_error(text)
             for file, what in folded.items():
                 self.say(f"{file}: {what} are tolerated; rtgen lint shows them")
             if summarised:
@@ -71,12 +71,12 @@ class Console(msgspec.Struct, frozen=True):
 
             findings = [d for diagnostics in self._held for d in diagnostics]
             self._held.clear()
-            _write_error(report(findings, {}, self.form))
+            write_error(report(findings, {}, self.form))
 
     def say(self, text: str) -> None:
         """Print a line for people, unless quiet or in a machine-readable form."""
         if text and not self.quiet and self.form == "text":
-            _write_error(printable(f"{text}\n", "\n\t"))
+            write_error(printable(f"{text}\n", "\n\t"))
 
     def choice(self, question: str, answers: Sequence[str]) -> int | None:
         """Return the number of the answer that a person chooses, from 0 on.
@@ -105,7 +105,18 @@ def noted_output() -> Iterator[list[str | bytes]]:
         _OUTPUT.reset(token)
 
 
-def _write_error(text: str) -> None:
+def is_noted() -> bool:
+    """Return whether all that was printed is noted."""
+    return _OUTPUT.get() is not None
+
+
+def forget_output() -> None:
+    """Note nothing further: what follows is printed past this module."""
+    _OUTPUT.set(None)
+
+
+def write_error(text: str) -> None:
+    """Write text to standard error."""
     output = _OUTPUT.get()
     if output is not None:
         output.append(text)
