@@ -33,7 +33,6 @@ VARIABLES = (
         "LC_ALL",
         "LC_CTYPE",
         "LC_MESSAGES",
-        "LC_MESSAGES",
         "PYTHONIOENCODING",
         "PYTHONUTF8",
     ),
@@ -67,7 +66,7 @@ def circumstances(arguments: Sequence[str]) -> list[str]:
 def program() -> str:
     """Return the stamp of rtgen."""
     parts = (os.path.join(PACKAGE, name) for name in ("cli", "locale", "tools"))
-    return stamp([*compiler_folders(), *parts])
+    return stamp([*compiler_folders(), *filter(os.path.isdir, parts)])
 
 
 def name_of(called: Sequence[str]) -> str:
