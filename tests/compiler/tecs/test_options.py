@@ -239,6 +239,30 @@ def test_component_types_of_one_name(tmp_path: Path) -> None:
     assert "from robots.tecs.left.server_marshaller import" in skeleton
 
 
+@pytest.mark.parametrize(
+    ("parameters", "early"),
+    [
+        ("[out, size_is( 4 ), count_is( *n )] int8_t *a, [out] int32_t *n", "n"),
+        ("[out] int32_t *n, [out, size_is( 4 ), count_is( *n+1 )] int8_t *a", "n"),
+        (
+            "[in] int32_t m, [out, size_is( m ), count_is( *p/2 )] int8_t *a,"
+            " [out] uint8_t *p",
+            "p",
+        ),
+        ("[out, size_is( 4 ), count_is( *n )] int8_t *a, [inout] int32_t *n", None),
+        ("[out, size_is( n )] int8_t *a, [in] int32_t n", None),
+        ("[inout, size_is( 4 ), count_is( *n )] int8_t *a, [inout] int32_t *n", None),
+    ],
+)
+def test_a_size_that_a_board_reads_before_the_call(
+    tmp_path: Path, parameters: str, early: str | None
+) -> None:
+    text = f"signature sOne {{ ER f( {parameters} ); }};\n"
+    _, findings = emit(tmp_path, {"a.cdl": joined(text, "sOne")})
+    assert [f.code for f in findings] == (["CDL1008"] if early else [])
+    assert all(f"read {early!r} before the call" in f.message for f in findings)
+
+
 def test_callers_through_a_region_share_a_channel(tmp_path: Path) -> None:
     cells = "".join(
         f"  cell tClient Client{i} {{ cServer = rBoard::Server.eServer; }};\n"

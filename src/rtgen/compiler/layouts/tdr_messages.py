@@ -83,6 +83,21 @@ def problems(unit: TecsUnit, signature: Signature) -> Iterator[TransferError]:
             yield found
 
 
+def read_too_early(layout: SignatureLayout) -> Iterator[tuple[Item, str]]:
+    """Yield outs whose number a server of tecsgen reads before the call, with that parameter.
+
+    For each out with `count_is`, it allocates as many elements as that has then; another out has
+    no value yet, and no memory.
+    """
+    for function in layout.functions:
+        outs = [i for i in function.items if i.direction is TecsDirection.OUT]
+        names = {item.name for item in outs}
+        for item in filter(_is_bound_only, outs):
+            assert isinstance(item.node, Counted)
+            for name in sorted(names.intersection(references(item.node.count))):
+                yield item, name
+
+
 def _function(nodes: _Nodes, function: TecsFunction) -> FunctionLayout:
     items = tuple(nodes.parameter(parameter) for parameter in function.parameters)
     returned = Item("", nodes.plain(function.returns, function.span), function.span)

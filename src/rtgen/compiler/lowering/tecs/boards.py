@@ -11,14 +11,14 @@ from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.layouts.tdr import SignatureLayout, TransferError
-from rtgen.compiler.layouts.tdr_messages import layout_of, problems
+from rtgen.compiler.layouts.tdr_messages import layout_of, problems, read_too_early
 from rtgen.compiler.lowering.settings import Settings
 from rtgen.compiler.lowering.stage import Lowered
 from rtgen.compiler.lowering.tecs.communication import communication_model
 from rtgen.compiler.lowering.tecs.idl_model import IdlSide, idl_side
 from rtgen.compiler.lowering.tecs.plan import FOLDER, TecsPackage, packages
 from rtgen.compiler.lowering.tecs.rtc_components import CLIENT, MARSHALLER
-from rtgen.compiler.lowering.tecs.rules import NOT_TRANSFERRED
+from rtgen.compiler.lowering.tecs.rules import NOT_TRANSFERRED, SIZE_TOO_EARLY
 from rtgen.compiler.model import Model, Package
 
 
@@ -86,10 +86,16 @@ def _layouts(
     for service in package.services:
         signature = service.signature
         try:
-            layouts.append(layout_of(package.unit, signature))
+            layout = layout_of(package.unit, signature)
         except TransferError:
             functions = [f for f in signature.functions if f.span not in side.refused]
             sound = replace(signature, functions=tuple(functions))
             for p in problems(package.unit, sound):
                 diagnostics.append(NOT_TRANSFERRED.at(p.span, p.reason, hint=p.hint))
+            continue
+        layouts.append(layout)
+        for item, size in read_too_early(layout):
+            message = f"boards of tecsgen read {size!r} before the call, to allocate {item.name!r}"
+            hint = f"make {size!r} inout; callers give the size of their buffer"
+            diagnostics.append(SIZE_TOO_EARLY.at(item.span, message, hint=hint))
     return layouts, diagnostics

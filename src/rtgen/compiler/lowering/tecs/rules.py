@@ -17,5 +17,8 @@ SAME_COMPONENT = Rule("CDL1006", "two component types of one name", Severity.WAR
 NOT_TRANSFERRED = Rule(
     "CDL1007", "parameter that OpaqueRPC cannot carry", Severity.ERROR
 )
+SIZE_TOO_EARLY = Rule(
+    "CDL1008", "size that the board reads before the call", Severity.WARNING
+)
 
 RULES = rules_of(globals())
