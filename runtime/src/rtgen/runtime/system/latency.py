@@ -17,7 +17,7 @@ from typing import Any
 import msgspec
 
 from rtgen.runtime.ports.buffers import RingBuffer
-from rtgen.runtime.ports.data_ports import DataConnector, OutPort
+from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.system.flow import in_order_of_flow
@@ -82,8 +82,13 @@ class Latencies:
         ends: dict[_Way, list[_Chain]] = {}
         for chain, path in zip(self._chains, paths, strict=True):
             ends.setdefault(path[-1], []).append(chain)
+        targets: dict[InPort[Any], None] = {}
         for way in measured:
             _measure(way, ends.get(way, []), now)
+            if way.connector is not None:
+                targets[way.connector.target] = None
+        for port in targets:
+            port._rewire()
 
     def __iter__(self) -> Iterator[Latency]:
         """Yield the latencies so far, those of the longest chains first."""
@@ -251,7 +256,6 @@ def _measure(way: _Way, chains: Sequence[_Chain], now: Callable[[], int]) -> Non
         next_origin = lambda: waiting.origin  # noqa: E731
     way.samples.measure(chains, next_origin, now)
     way.samples.replace(way.connector.buffer)
-    way.connector.target._rewire()
 
 
 def _next_origin(way: _Way, now: Callable[[], int]) -> Callable[[], _Origin]:
@@ -296,10 +300,12 @@ class _Way(msgspec.Struct, eq=False):
 def _ways(components: Mapping[str, Component], connectors: Iterable[Any]) -> list[_Way]:
     """Return the ways of all samples, in the order of the flow."""
     found = []
-    inner = [each for each in connectors if isinstance(each, DataConnector)]
+    inner = dict.fromkeys(
+        each for each in connectors if isinstance(each, DataConnector)
+    )
     for component in components.values():
         for in_port in component.in_ports.values():
-            inner += [each for each in in_port.connectors if each not in inner]
+            inner.update(dict.fromkeys(in_port.connectors))
         for port in component.out_ports.values():
             leaves = [c for c in port.connectors if c.target.owner not in components]
             if leaves or port._outlets:
