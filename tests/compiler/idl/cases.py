@@ -167,6 +167,14 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
         "local interface L {}; struct S { L l_; }; interface I { void f(in S s_); };",
         ("IDL0308",),
     ),
+    "local_types_within_others": (
+        "local interface L {}; struct A { L l_; }; struct B; typedef sequence<B> Bs;"
+        "struct B { Bs bs_; A a_; }; union U switch (long) { case 1: B b_; };"
+        "struct C; typedef sequence<C> Cs; struct C { long c_; Cs cs_; };"
+        "interface I { void f(in B b1, in A a1, in C c1); void g(in U u1, in C c2, in B b2);"
+        " };",
+        ("IDL0308",) * 4,
+    ),
     "const_type": (
         "struct S { long a; }; const S A = 1; const any B = 1;",
         ("IDL0310", "IDL0310"),

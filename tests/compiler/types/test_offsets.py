@@ -114,6 +114,14 @@ def laid_out(model: Model, name: str) -> StructLayout:
     return Layouts(model, Representations(model)).of(struct)
 
 
+def test_layouts_do_not_depend_on_those_before(model: Model) -> None:
+    structs = [each for each in model.declarations if isinstance(each, Struct)]
+    for order in (structs, structs[::-1]):
+        layouts = Layouts(model, Representations(model))
+        for struct in order:
+            assert layouts.of(struct) == laid_out(model, struct.name[-1])
+
+
 def octets(value: Any) -> bytes:
     made: bytes = value.to_cdr()
     return made
