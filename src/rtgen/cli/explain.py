@@ -31,12 +31,10 @@ def explain(console: Console, code: str | None) -> int:
     explained = rule_of(code)
     if explained is None:
         close = similar(code)
-        hint = (
-            f"; did you mean {', '.join(close)}?"
-            if close
-            else "; `rtgen explain` lists all"
-        )
-        write_error(f"unknown code {code!r}{hint}\n")
+        message = f"unknown code {code!r}; `rtgen explain` lists all"
+        if close:
+            message = f"unknown code {code!r}; did you mean {', '.join(close)}?"
+        write_error(f"{translated(message)}\n")
         return BAD_INPUT
     if sys.stdout.isatty():
         from rich.console import Console as Terminal

@@ -146,6 +146,8 @@ def test_what_the_golden_cases_show_is_said_in_japanese() -> None:
         ("wrong: {0}", "誤り: {0}"),
         ("a {brace}", "括弧 {brace}"),
         ("another", "another"),
+        ("'a b' is too long", "'a b' は長すぎる"),
+        ("'a b' is another", "'a b' is another"),
         ("", ""),
     ],
 )
@@ -153,6 +155,7 @@ def test_insertions_are_found_and_inserted(english: str, japanese: str) -> None:
     texts = Catalogue(
         {
             "plain": "文",
+            "is too long": "は長すぎる",
             "no '{0}' in {1}": "{1} に '{0}' がない",
             "wrong: {0}": "誤り: {0}",
             "a {{brace}}": "括弧 {{brace}}",

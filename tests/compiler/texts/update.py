@@ -14,9 +14,10 @@ from rtgen.compiler.kit.translation.catalogue import FOLDER
 OTHERS = (
     *(f"{{0}} {each}{s}" for each in ("error", "warning", "note") for s in ("", "s")),
     "Show this message and exit.",
+    "No such file or directory",
     "Unclosed array",
 )
-"""Counts of diagnostics, whose severities are inserted, and texts of libraries."""
+"""Counts of diagnostics, whose severities are inserted, and texts of libraries and systems."""
 WIDTH = 100
 
 

@@ -20,6 +20,8 @@ _MAX_DEPTH = 4
 """Insertions that are messages themselves, such as reasons, are translated up to this depth."""
 _MOST_TEXT = 8000
 _QUOTE = "'"
+_SAID_OF = re.compile(r"(?P<subject>'[^']*') (?P<what>.+)", re.DOTALL)
+"""A quoted value, and what is said of it, which is a text of its own."""
 _FEW = 16
 """Templates with fewer characters, such as `{0} is {1}`, are in many texts of another meaning."""
 _PROSE = re.compile(r"\b[a-z]{2,} [a-z]{2,}\b")
@@ -124,6 +126,9 @@ class Catalogue:
             tells = any(inner) if template.joins else template.size >= _FEW
             if mixed is None and tells:
                 mixed = _Translation(shown, is_whole=False)
+        if mixed is None and (said := _SAID_OF.fullmatch(text)):
+            inner = self._translated(said["what"], depth - 1)
+            mixed = inner and inner._replace(text=f"{said['subject']} {inner.text}")
         return mixed
 
 
