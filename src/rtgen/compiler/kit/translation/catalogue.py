@@ -127,8 +127,9 @@ class Catalogue:
             if mixed is None and tells:
                 mixed = _Translation(shown, is_whole=False)
         if mixed is None and (said := _SAID_OF.fullmatch(text)):
-            inner = self._translated(said["what"], depth - 1)
-            mixed = inner and inner._replace(text=f"{said['subject']} {inner.text}")
+            what = self._translated(said["what"], depth - 1)
+            if what is not None:
+                return what._replace(text=f"{said['subject']} {what.text}")
         return mixed
 
 
