@@ -65,7 +65,6 @@ def test_services() -> None:
 def test_types(written: str, name: str, dds: str) -> None:
     assert ros_names.parse_type(written) == name
     assert ros_names.dds_type(name) == dds
-    assert ros_names.ros_type(dds) == name
 
 
 @pytest.mark.parametrize(
@@ -75,19 +74,12 @@ def test_no_types(text: str) -> None:
     assert ros_names.parse_type(text) is None
 
 
-@pytest.mark.parametrize(
-    "text", ["RTC::TimedLong", "a::msg::dds_::B", "a::dds_::B_", "A"]
-)
-def test_types_of_others(text: str) -> None:
-    assert ros_names.ros_type(text) is None
-
-
 def test_user_data() -> None:
     """The text is that of rmw_dds_common's test_qos."""
     hash_ = "RIHS01_000102030405060708090a0b0c0d0e0f101112131415161718191a1b1c1d1e1f"
     data = ros_names.user_data(hash_)
     assert data == f"typehash={hash_};".encode()
-    assert ros_names.type_hash_of(data) == hash_
+    assert ros_names.parse_user_data(data) == {"typehash": hash_}
     both = ros_names.user_data(hash_, clientid="1.2")
     assert both == f"clientid=1.2;typehash={hash_};".encode()
     assert ros_names.parse_user_data(both)["clientid"] == "1.2"
@@ -95,32 +87,22 @@ def test_user_data() -> None:
 
 
 @pytest.mark.parametrize(
-    "data",
+    ("data", "pairs"),
     [
-        b"",
-        b"key=value;",
-        f"mytypehash={STRING};".encode(),
-        b"typehash=RIHS01_dead;",
-        b"\xff;=;",
+        (b"", {}),
+        (b"key=value;", {"key": "value"}),
+        (b"typehash=;alone;a=b=c", {"typehash": "", "a": "b=c"}),
+        (b"\xff;=;", {}),
     ],
 )
-def test_no_hash(data: bytes) -> None:
-    assert ros_names.type_hash_of(data) is None
+def test_user_data_of_others(data: bytes, pairs: dict[str, str]) -> None:
+    assert ros_names.parse_user_data(data) == pairs
 
 
 def test_endpoint_id() -> None:
     """As written by `std::setw(2)` without a fill."""
     gid = bytes((1, 16, 0xAB, 0)) + bytes(12)
     assert ros_names.endpoint_id(gid) == " 1.10.ab.0" + ".0" * 12
-
-
-def test_request_header() -> None:
-    request = ros_names.RequestId(0x0102030405060708, 5)
-    octets = ros_names.request_header(request)
-    assert octets == bytes((8, 7, 6, 5, 4, 3, 2, 1, 5, 0, 0, 0, 0, 0, 0, 0))
-    assert ros_names.parse_request(octets + b"body") == (request, b"body")
-    with pytest.raises(ValueError, match="not a request"):
-        ros_names.parse_request(octets[:-1])
 
 
 PROFILES = {

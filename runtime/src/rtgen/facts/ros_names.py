@@ -7,7 +7,6 @@ names are fully qualified (`/robot/scan`), types are written as in ROS (`std_msg
 from __future__ import annotations
 
 import re
-import struct
 from typing import Final, NamedTuple
 
 TOPIC: Final = "rt"
@@ -33,8 +32,6 @@ _TYPE: Final = re.compile(
     r"(?P<package>[a-z][a-z0-9_]*)/(?:(?P<kind>msg|srv|action)/)?(?P<name>[A-Z]\w*)",
     re.ASCII,
 )
-_HASH: Final = re.compile(r"RIHS01_[0-9a-f]{64}")
-_REQUEST_HEADER: Final = struct.Struct("<Qq")
 
 
 def violation(name: str) -> str | None:
@@ -99,14 +96,6 @@ def dds_type(name: str) -> str:
     return "::".join((*scope, "dds_", f"{last}_"))
 
 
-def ros_type(name: str) -> str | None:
-    """Return the inverse of `dds_type`; None for a type without a ROS name."""
-    match name.split("::"):
-        case [package, kind, "dds_", last] if last.endswith("_"):
-            return f"{package}/{kind}/{last[:-1]}"
-    return None
-
-
 def user_data(type_hash: str, **more: str) -> bytes:
     """Return USER_DATA of a reader or writer: `typehash=RIHS01_...;` after other keys."""
     return b"".join(
@@ -126,12 +115,6 @@ def parse_user_data(data: bytes) -> dict[str, str]:
     return {key: value for key, equals, value in pairs if equals and key}
 
 
-def type_hash_of(data: bytes) -> str | None:
-    """Return the type hash in USER_DATA; None without a valid one."""
-    type_hash = parse_user_data(data).get("typehash", "")
-    return type_hash if _HASH.fullmatch(type_hash) else None
-
-
 def endpoint_id(gid: bytes) -> str:
     """Return `clientid` or `serviceid` of USER_DATA: hexadecimal octets with dots, as
     rmw_cyclonedds.
@@ -147,18 +130,3 @@ class RequestId(NamedTuple):
 
     client: int
     sequence: int
-
-
-def request_header(request: RequestId) -> bytes:
-    """Return rmw_cyclonedds's 16 octets after the encapsulation header; little-endian."""
-    return _REQUEST_HEADER.pack(*request)
-
-
-def parse_request(payload: bytes) -> tuple[RequestId, bytes]:
-    """Split a request or reply into header and body; the body is at offset 16 of the CDR stream."""
-    if len(payload) < _REQUEST_HEADER.size:
-        raise ValueError(f"{len(payload)} octets are not a request")
-    return (
-        RequestId(*_REQUEST_HEADER.unpack_from(payload)),
-        payload[_REQUEST_HEADER.size :],
-    )
