@@ -6,6 +6,7 @@ import json
 from pathlib import Path
 
 import pytest
+from json_schemas import validator
 
 from rtgen.cli import run as rtgen
 
@@ -33,7 +34,7 @@ def test_in_the_text(capfd: pytest.CaptureFixture[str]) -> None:
 def test_in_json_of_all_chains(capfd: pytest.CaptureFixture[str]) -> None:
     assert rtgen(["run", SYSTEM, "--until", "1", "--json"]) == 0
     report = json.loads(capfd.readouterr().out)
-    assert report["schema"] == "rtgen-run/1"
+    validator("run.schema.json").validate(report)
     assert report["simulated"] == 1.0
     states = {each["instance"]: each["state"] for each in report["components"]}
     assert states["PathFollower0"] == "ACTIVE"
@@ -48,5 +49,13 @@ def test_in_real_time(capfd: pytest.CaptureFixture[str]) -> None:
     command = ["run", SYSTEM, "--clock", "real", "--until", "0.5", "--json"]
     assert rtgen(command) == 0
     report = json.loads(capfd.readouterr().out)
+    validator("run.schema.json").validate(report)
     [loop] = [each for each in report["latencies"] if each["name"] == LOOP]
     assert 0 < loop["least"] <= loop["median"] <= loop["late"] <= loop["greatest"]
+
+
+def test_in_json_of_a_run_with_an_end(capfd: pytest.CaptureFixture[str]) -> None:
+    assert rtgen(["run", SYSTEM, "--json"]) == 0
+    report = json.loads(capfd.readouterr().out)
+    validator("run.schema.json").validate(report)
+    assert report["end"] == {"met": True, "state": "PositionInput0 finished"}

@@ -127,7 +127,7 @@ def summary(outcome: Outcome) -> str:
 def as_json(outcome: Outcome) -> str:
     """Return the report as JSON."""
     document = {
-        "schema": "rtgen-run/1",
+        "format": "rtgen-run/1",
         "components": [
             {
                 "instance": row.instance,
