@@ -7,8 +7,11 @@ of each. `ticks` are those of all components and those that were due; `overruns`
 counted by the runtime; `samples` are those that the reading page received and those that were
 written, `less` those reported to it as omitted.
 
-With `--browser` the built page is open in that browser, headless and without a GPU: its frames per
-second, of the wiring alone, and with a map that watches all ports, whose samples it draws.
+With `--browser` the built page is open in that browser, headless and without a GPU: its frames
+per second, of the wiring alone, while it is panned, and with a map that watches all ports, whose
+samples it draws. `empty` is a page with nothing but the loop that counts frames: what the browser
+and the load of the machine leave. `first view` is the time from the request of the page until all
+boxes and connections are in their places, of a browser that has no cache, with what it loads.
 """
 
 from __future__ import annotations
@@ -88,6 +91,10 @@ class Network:
     def refusals(self, profile: System) -> Sequence[str]:
         """Return nothing: no file is run."""
         return ()
+
+    def timeline(self, profile: System) -> Timeline:
+        """Return an empty one."""
+        return Timeline()
 
     def report_end(self, reason: str) -> None:
         """Do nothing."""
@@ -214,17 +221,63 @@ def measure(seconds: float, *, reads: bool, stalls: bool) -> dict[str, Any]:
     }
 
 
-_FRAMES = """async (seconds) => {
-    let frames = 0, longest = 0, before = performance.now();
-    const begun = before;
-    while (before < begun + seconds * 1000) {
-        const now = await new Promise(requestAnimationFrame);
-        longest = Math.max(longest, now - before);
-        before = now;
-        frames += 1;
-    }
-    return [frames / ((before - begun) / 1000), longest];
+_FRAMES = """(seconds) => {
+    window.frames_of = (async () => {
+        let frames = 0, longest = 0, before = performance.now();
+        const begun = before;
+        while (before < begun + seconds * 1000) {
+            const now = await new Promise(requestAnimationFrame);
+            longest = Math.max(longest, now - before);
+            before = now;
+            frames += 1;
+        }
+        return [frames / ((before - begun) / 1000), longest];
+    })();
 }"""
+_FIRST_VIEW = """(boxes) => {
+    window.first_view = new Promise((seen) => {
+      const look = () => {
+        const wiring = document.querySelector(".wiring[aria-busy=false]");
+        if (wiring && wiring.querySelectorAll(".react-flow__node").length >= boxes
+            && wiring.querySelector(".react-flow__edge")) {
+            seen(performance.now());
+        } else requestAnimationFrame(look);
+      };
+      look();
+    });
+}"""
+_STEP = 1 / 60
+"""Time between two movements of the mouse [s]."""
+
+
+def frames(
+    page: Any, seconds: float, act: Callable[[float], None]
+) -> tuple[float, float]:
+    """Return frames per second, and the longest one [ms], while something is done until a time."""
+    page.evaluate(_FRAMES, seconds)
+    act(time.monotonic() + seconds)
+    rate, longest = page.evaluate("window.frames_of")
+    return rate, longest
+
+
+def pan(page: Any, end: float) -> None:
+    """Drag the wiring to and fro until a time."""
+    box = page.locator(".react-flow__pane").bounding_box()
+    x, y = box["x"] + 8, box["y"] + 8
+    page.mouse.move(x, y)
+    page.mouse.down()
+    step = 0
+    while time.monotonic() < end:
+        way = abs(step % 120 - 60)
+        page.mouse.move(x + 4 * way, y + 2 * way)
+        step += 1
+        time.sleep(_STEP)
+    page.mouse.up()
+
+
+def wait(page: Any, end: float) -> None:
+    """Do nothing until a time."""
+    page.wait_for_timeout(1000 * max(end - time.monotonic(), 0.0))
 
 
 def browse(program: str, seconds: float) -> dict[str, dict[str, Any]]:
@@ -237,27 +290,43 @@ def browse(program: str, seconds: float) -> dict[str, dict[str, Any]]:
     serving = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
     serving.start()
     ready.wait()
-    rows = {}
+    rows: dict[str, dict[str, Any]] = {}
     with sync_playwright() as driver:
         browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
-        page = browser.new_page(viewport={"width": 1440, "height": 900}, locale="en-US")
-        page.goto(server.address(full=True))
-        page.locator(".react-flow__node").nth(COMPONENTS - 1).wait_for()
-        session.runner.submit(session.runner.play)
-        for tab in ("Values", "Map"):
-            page.get_by_role("tab", name=tab).click()
-            page.wait_for_timeout(1000)
+
+        def measured(title: str, page: Any, act: Callable[[Any, float], None]) -> None:
             before = [session.system.statistics(n) for n in session.system.instances]
-            rate, longest = page.evaluate(_FRAMES, seconds)
+            rate, longest = frames(page, seconds, lambda end: act(page, end))
             after = [session.system.statistics(n) for n in session.system.instances]
             pairs = [*zip(before, after, strict=True)]
-            rows[{"Values": "wiring"}.get(tab, "wiring, map of all ports")] = {
+            rows[title] = {
                 "frames/s": f"{rate:.1f}",
                 "longest": f"{longest:.0f} ms",
                 "ticks/s": f"{sum(b.ticks - a.ticks for a, b in pairs) / seconds:.0f}",
                 "overruns": sum(b.overruns - a.overruns for a, b in pairs),
                 "lost": sum(b.lost - a.lost for a, b in pairs),
             }
+
+        size = {"width": 1440, "height": 900}
+        session.runner.submit(session.runner.play)
+        empty = browser.new_page(viewport=size)
+        measured("empty", empty, wait)
+        empty.close()
+        page = browser.new_page(viewport=size, locale="en-US")
+        page.add_init_script(f"({_FIRST_VIEW})({COMPONENTS})")
+        loaded: list[int] = []
+        page.on(
+            "response",
+            lambda each: loaded.append(int(each.headers.get("content-length", 0))),
+        )
+        page.goto(server.address(full=True))
+        view = page.evaluate("window.first_view")
+        print(f"first view: {view:.0f} ms, {sum(loaded) / 1000:.0f} kB")
+        for tab, title in (("Values", "wiring"), ("Map", "wiring, map of all ports")):
+            page.get_by_role("tab", name=tab).click()
+            page.wait_for_timeout(1000)
+            measured(title, page, wait)
+            measured(f"{title}, panned", page, pan)
         browser.close()
     server.stop()
     serving.join()

@@ -1,6 +1,6 @@
 /** Operations of the interfaces that a component provides, called from forms. */
 
-import { useState } from "react";
+import { useEffect, useState } from "react";
 import { CallTable, Histogram } from "./Board.tsx";
 import { Form } from "./Form.tsx";
 import type { Draft } from "./draft.ts";
@@ -32,13 +32,24 @@ function begin(operation: Operation): { value: Draft; refused: string } {
   }
 }
 
+/** What forms contain, by operation, for the time when another view is shown; of the newest ones. */
+const kept = new Map<string, { value: Draft; times: number; outcome?: Outcome | undefined }>();
+const MAX_KEPT = 200;
+
 function OperationForm(props: { port: PortAddress; interfaceName: string; operation: Operation; full: boolean }) {
   const { port, interfaceName, operation, full } = props;
   const [first] = useState(() => begin(operation));
-  const [value, change] = useState(first.value);
-  const [times, setTimes] = useState(1);
-  const [outcome, show] = useState<Outcome>();
   const name = `${port.instance}.${port.port} ${operation.name}`;
+  const key = JSON.stringify([port.instance, port.port, interfaceName, operation.name, operation.request]);
+  const before = kept.get(key);
+  const [value, change] = useState(before?.value ?? first.value);
+  const [times, setTimes] = useState(before?.times ?? 1);
+  const [outcome, show] = useState(before?.outcome);
+  useEffect(() => {
+    kept.delete(key);
+    kept.set(key, { value, times, outcome });
+    if (kept.size > MAX_KEPT) kept.delete(kept.keys().next().value!);
+  }, [key, value, times, outcome]);
   const call = async () => {
     const failed = (error: string) => show({ error, values: [], calls: [] });
     let octets = new Uint8Array();

@@ -363,9 +363,9 @@ export const Wiring = memo(function Wiring(props: {
 
   const fit = () => {
     if (!flow || !places || !components.length || !section.current!.clientWidth) return;
-    const { isWhole, ...shown } = view(places.corners, section.current!.clientWidth, section.current!.clientHeight, !isWide);
+    const shown = view(places.corners, section.current!.clientWidth, section.current!.clientHeight, !isWide);
     void flow.setViewport(shown);
-    crop(!isWhole);
+    crop(shown.zoom < FAR);
     moved.current = false;
   };
   // Moving boxes does not move the view.

@@ -16,8 +16,6 @@ export const WIDEST = 320;
 const PADDING = 24;
 /** Scale of places by RT System Editor, whose boxes are narrower. */
 const SPREAD = 1.5;
-/** Minimum zoom, at which names have 9 px. */
-const SMALLEST = 0.75;
 const MARGIN = 16;
 /** Space for the buttons of the view. */
 const LEFT = 52;
@@ -226,6 +224,9 @@ function nested(boxes: (ElkNode & { group: string })[]): { children: ElkNode[]; 
   return { children, isNested: true };
 }
 
+/** Connections above which the layout tries only one order of the boxes, which takes a third of the time. */
+const MANY = 100;
+
 /** Layout in the proportion of a view; a chain that is too long is folded. */
 async function proportioned(components: readonly Component[], connections: readonly Connection[], aspect: number, by: Grouping): Promise<Arrangement> {
   const { default: ELK } = await import("elkjs/lib/elk.bundled.js");
@@ -246,6 +247,7 @@ async function proportioned(components: readonly Component[], connections: reado
       "elk.direction": "RIGHT",
       "elk.edgeRouting": "ORTHOGONAL",
       "elk.aspectRatio": String(aspect),
+      ...(connections.length > MANY && { "elk.layered.thoroughness": "1" }),
       "elk.spacing.nodeNode": "24",
       "elk.layered.spacing.nodeNodeBetweenLayers": "30",
       ...(isNested ? { "elk.hierarchyHandling": "INCLUDE_CHILDREN" } : { "elk.layered.wrapping.strategy": "MULTI_EDGE" }),
@@ -286,16 +288,11 @@ export function around(boxes: readonly (Point & { component: Component })[]): [P
   ];
 }
 
-/** Narrower views show everything at first, however small. */
-const NARROW = 700;
-
-/** A view of everything within two corners; of a wide one the upper left part, if the text would not remain legible. `narrow`: of a page whose buttons are below. */
-export function view([start, end]: [Point, Point], wide: number, high: number, narrow: boolean): Point & { zoom: number; isWhole: boolean } {
+/** A view of everything within two corners. `narrow`: of a page whose buttons are below. */
+export function view([start, end]: [Point, Point], wide: number, high: number, narrow: boolean): Point & { zoom: number } {
   const [across, down] = [end.x - start.x, end.y - start.y];
-  const fitting = zoom(across, down, wide, high, narrow);
-  const scale = Math.min(1, Math.max(narrow || wide < NARROW ? 0 : SMALLEST, fitting));
+  const scale = Math.min(1, Math.max(0, zoom(across, down, wide, high, narrow)));
   return {
-    isWhole: scale <= fitting,
     x: Math.max(narrow ? MARGIN / 2 : LEFT, (wide - across * scale) / 2) - start.x * scale,
     y: Math.max(narrow ? MARGIN / 2 : MARGIN, (high - down * scale - (narrow ? LEFT : 0)) / 2) - start.y * scale,
     zoom: scale,

@@ -36,6 +36,21 @@ def test_a_function_is_called_and_its_octets_shown(services: Any) -> None:
     assert "name = RH3 motor board, simulated" in reply.inner_text()
 
 
+def test_arguments_and_results_stay_while_another_view_is_shown(services: Any) -> None:
+    fields = services.get_by_role("form", name="setLimits").get_by_role("textbox")
+    before = fields.nth(1).input_value()
+    services.get_by_role("button", name="Call identify of").click()
+    result = services.get_by_role("status", name="Result of identify")
+    result.get_by_text("RH3 motor board, simulated", exact=True).wait_for()
+    fields.nth(1).fill("12")
+    services.get_by_role("tab", name="Values").click()
+    result.wait_for(state="detached")
+    services.get_by_role("tab", name="Services").click()
+    result.get_by_text("RH3 motor board, simulated", exact=True).wait_for()
+    assert fields.nth(1).input_value() == "12"
+    fields.nth(1).fill(before)
+
+
 @pytest.mark.nightly
 def test_a_hundred_calls_are_a_histogram(services: Any) -> None:
     times = services.get_by_label("Times identify is called")
