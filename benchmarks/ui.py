@@ -92,10 +92,6 @@ class Network:
         """Return nothing: no file is run."""
         return ()
 
-    def timeline(self, profile: System) -> Timeline:
-        """Return an empty one."""
-        return Timeline()
-
     def report_end(self, reason: str) -> None:
         """Do nothing."""
 
