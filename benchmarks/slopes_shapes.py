@@ -382,7 +382,7 @@ def system_at_random(size: int, version: int) -> Files:
         for i in range(size)
         for k in range(3)
     )
-    return _system(3, names, links, version)
+    return _system(3, names, dict.fromkeys(links), version)
 
 
 @_shape(8, (*TEXTS, "graph", "run", "ui"))
