@@ -18,6 +18,8 @@ from rtgen.compiler.model.tecs import Signature
 
 ROOT = Path(__file__).parents[3]
 
+sys.path.append(str(ROOT / "benchmarks"))  # whose scripts import each other
+
 
 def _project(joins: int, functions: int) -> str:
     place = ROOT / "benchmarks" / "tecs_project.py"
