@@ -593,3 +593,38 @@ def test_work_that_waits_at_the_end_of_a_run_is_removed_with_its_task() -> None:
     assert runner.stop()
     assert runner.remove(other)
     assert runner.remove(busy)
+
+
+def test_a_task_whose_work_takes_long_keeps_its_tick_of_that_instant() -> None:
+    """The tick is due when the other tasks go on in a new thread: it is not called there."""
+    inside, go_on, passed, ticked = (threading.Event() for _ in range(4))
+    threads: list[int] = []
+
+    def tick() -> None:
+        threads.append(threading.get_ident())
+        ticked.set()
+
+    def work() -> None:
+        inside.set()
+        go_on.wait(PATIENCE)
+
+    owner: Any = None
+    runner = Runner("runner", RealClock(), owner)
+    long = 10**6 * SECOND
+    busy = Task("busy", long, tick, order=1, between=work)
+    waker = Task("waker", long, lambda: runner.wake(busy), order=0)
+    other = Task("other", long, passed.set, order=2)
+    for task in (waker, busy, other):
+        runner.add(task, 0)
+    runner.start()
+    assert inside.wait(PATIENCE)
+    assert runner.busy is not None
+    new = runner.hand_over(runner.busy, "busy", once=False)
+    assert new is not None
+    assert passed.wait(PATIENCE)
+    assert not threads
+    go_on.set()
+    assert ticked.wait(PATIENCE)
+    assert threads == [runner.ident]
+    for each in (runner, new):
+        assert each.stop()

@@ -228,9 +228,11 @@ class Runner:
             new._is_first = False
             due = None if task.lane is None else task.lane.due
             is_woken = task.work.is_waiting
+            # Its work is in progress, and its tick has still to come.
+            is_due = any(each is task for each in (*self._at_once, *self._rest))
             self._drop(task)
             new._heap, new._phases, new._tasks = self._heap, self._phases, others
-            new._at_once = [*self._at_once, *self._rest]
+            new._at_once = [*self._at_once, *(t for t in self._rest if t is not task)]
             new._woken = deque(self._woken)
             self._heap, self._phases, self._rows, self._tasks = [], {}, {}, set()
             self._at_once = []
@@ -240,6 +242,8 @@ class Runner:
                 each.runner = new
             if not task.ended:
                 self._put(task, due or 0)
+                if is_due:
+                    self._at_once.append(task)
                 if is_woken:
                     task.work.is_waiting = True
                     self._woken.append(task.work)
