@@ -22,6 +22,7 @@ from rtgen.cli.ctl.common import (
 )
 from rtgen.cli.help import command
 from rtgen.cli.parameter_types import FiniteRange
+from rtgen.facts.columns import table
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import NO, OK
 from rtgen.tools.running.control_texts import (
@@ -34,8 +35,7 @@ from rtgen.tools.running.control_texts import (
 )
 
 if TYPE_CHECKING:
-    from rtgen.facts.columns import table
-from rtgen.runtime.distribution.control import Asker
+    from rtgen.runtime.distribution.control import Asker
 
 _POLL_INTERVAL = 0.1
 _HEADER = ("instance", "state", "ticks", "overruns")
