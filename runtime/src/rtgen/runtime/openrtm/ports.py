@@ -53,8 +53,8 @@ class Inflow:
         target._attach(self)  # type: ignore[arg-type]  # as much of a connector as it needs
         target._feed = self.feed
 
-    def _rewire(self) -> None:
-        """Hook of an InPort before it is fed; no effect here."""
+    def _renew(self, connector: Any) -> None:
+        """Hook of an InPort whose buffers changed; no effect here."""
 
     def feed(self) -> None:
         """Read a sample, if there is one."""
