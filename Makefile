@@ -241,7 +241,7 @@ pictures: page
 bench: SCRIPTS ?= $(shell grep -l "Arguments(__doc__" benchmarks/*.py)
 bench: $(VENV)/bench.stamp
 	for script in $(SCRIPTS); do $(OPENRTM) $(BIN)/python $$script --store || exit 1; done
-	$(BIN)/python benchmarks/page.py
+	$(BIN)/python benchmarks/speed_page.py
 
 format: $(VENV)/test.stamp
 	$(BIN)/black --quiet $(CHECKED)

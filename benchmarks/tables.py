@@ -9,7 +9,7 @@ Each benchmark has the options of `Arguments` and prints the tables of a `Result
             table.add("periodic", 12.3)
 
 With `--store` they are also written to `benchmarks/results/<benchmark>.json`, from which
-`python benchmarks/page.py` makes the tables of `docs/speed.md`, where a line
+`python benchmarks/speed_page.py` makes the tables of `docs/speed.md`, where a line
 `<!-- table: <benchmark>/<table> -->` is. A file maps names of tables to
 
     date, commit    when and of which commit, with "+" if files differed from it

@@ -36,7 +36,7 @@ SCRIPTS = sorted(p.stem for p in FOLDER.glob("*.py") if OPTIONS in p.read_text("
 
 sys.path.append(str(FOLDER))
 
-import page  # noqa: E402
+import speed_page as page  # noqa: E402
 import tables  # noqa: E402
 
 
@@ -73,12 +73,12 @@ def test_benchmarks_have_the_common_options() -> None:
         if f"    python benchmarks/{path.name}" in path.read_text("utf-8")
         and not path.stem.endswith("_ends")
     }
-    assert started - {"page"} == {*SCRIPTS}
+    assert started - {"speed_page"} == {*SCRIPTS}
 
 
 def test_the_page_has_the_stored_tables() -> None:
     text = page.PAGE.read_text(encoding="utf-8")
-    assert page.updated(text, page.stored()) == text, "python benchmarks/page.py"
+    assert page.updated(text, page.stored()) == text, "python benchmarks/speed_page.py"
     names = re.findall(r"<!-- table: ([\w/-]+) -->", text)
     assert sorted(names) == sorted(page.stored())
 

@@ -14,8 +14,7 @@ ENDS = ("RefHardRh30.OutWheelAngle", "Odometry0.CurrentWheelAngle")
 
 
 def press(page: Any, target: Any, key: str = "Enter") -> None:
-    target.focus()
-    page.keyboard.press(key)
+    target.press(key)
 
 
 def are_connected(session: Session) -> bool:
@@ -81,6 +80,7 @@ def test_a_component_is_selected_and_removed(page: Any, session: Session) -> Non
     undo = page.get_by_role("button", name="Undo", disabled=False)
     press(page, undo)
     until(page, lambda: are_connected(session))
+    box.or_(page.get_by_label("Odometry0, Odometry, INACTIVE")).wait_for()
     press(page, page.get_by_role("button", name="Redo", disabled=False))
     until(page, lambda: "Odometry0" not in session.system.instances)
     press(page, undo)

@@ -46,11 +46,15 @@ MODULES = {
 
 
 def rule_of(code: str) -> Rule | None:
-    """Return the rule of a code, in any case; only modules with such codes are imported."""
+    """Return the rule of a code, in any case.
+
+    Only modules with such codes are imported, unless plug-ins have rules. Raises ToolError for an
+    invalid one.
+    """
     code = code.upper()
     letters = code.rstrip("0123456789")
     for name, own in MODULES.items():
-        if letters in own.split():
+        if letters in own.split() and not plugins.announced(plugins.Group.RULES):
             for rule in import_module(name).RULES:
                 if rule.code == code:
                     assert isinstance(rule, Rule)

@@ -94,6 +94,11 @@ def interfaces(model: Model, package: str) -> list[Interfaces]:
     return [_Writer(board, package, seen).interfaces() for board in boards(model)]
 
 
+def of_board(board: BoardPackage, package: str) -> Interfaces:
+    """Return the services of one CDL file."""
+    return _Writer(board, package, {}).interfaces()
+
+
 def service_facts(
     files: Iterable[Interfaces], namespace: str
 ) -> Iterator[dict[str, str]]:

@@ -1,6 +1,6 @@
 """Makes the tables of `docs/speed.md` of the stored results.
 
-    python benchmarks/page.py
+    python benchmarks/speed_page.py
 
 A table is between the lines `<!-- table: <benchmark>/<table> -->` and `<!-- end of table -->` of
 the page; its last line says how it was measured. The rest of the page is written by hand.
