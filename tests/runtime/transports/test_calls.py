@@ -182,17 +182,25 @@ def test_calls_that_are_cancelled_end_and_others_follow(join: Join) -> None:
     server = Server(holds=True)
     serve_octets(there, "s/op", server.on_request)
     client = OctetsClient(here, "s/op")
-    cancelling = threading.Thread(
-        target=lambda: (until(lambda: server.held), client.cancel())
-    )
+    ended = threading.Event()
+
+    def cancel() -> None:
+        # A server may hold a call whose client has not yet begun to wait, or begins another one.
+        until(lambda: server.held)
+        while not ended.wait(0.05):
+            client.cancel()
+
+    cancelling = threading.Thread(target=cancel)
     cancelling.start()
     with pytest.raises(PeerLostError):
         until(partial(_until_served, client, 30.0))
+    ended.set()
     cancelling.join()
+    held = list(server.held)
     answering = threading.Thread(
         target=lambda: (
-            until(lambda: len(server.held) > 1),
-            server.held[1](b"answer"),
+            until(lambda: len(server.held) > len(held)),
+            server.held[-1](b"answer"),
         )
     )
     answering.start()
