@@ -53,11 +53,10 @@ gallery: $(VENV)/test.stamp
 test: $(VENV)/uv.stamp
 	$(MAKE) --no-print-directory -j 4 pytest waits $(if $(WING),,lint types imports drift)
 
-# What takes longer: tests marked `nightly`, the random tests with more inputs, drawn by the seed of the
+# What takes longer: tests marked `nightly`, the random tests with other inputs, drawn by the seed of the
 # commit (RTGEN_SEED=N sets another), the fast tests on a further interpreter with the coverage of lines,
 # and what a release consists of.
 nightly: export RTGEN_SEED ?= $(shell $(PYTHON) tests/seeds.py)
-nightly: export RTGEN_BUDGET ?= 0.4
 nightly: $(VENV)/uv.stamp
 	$(MAKE) --no-print-directory -j 4 dear codecs interpreters
 	$(MAKE) --no-print-directory release
@@ -93,7 +92,7 @@ waits: $(VENV)/test.stamp page peers
 	$(if $(WAITING),$(call PYTEST,build/pytest-waits,-m "waits and not nightly" $(WAITING)))
 
 dear: $(VENV)/test.stamp page peers speed
-	$(call PYTEST,build/pytest-nightly,-m "nightly or random" $(FOLDER))
+	$(call PYTEST,build/pytest-nightly,-m "(nightly and not left_out) or random" $(FOLDER))
 
 # The tests of marshalling once more, with the codecs in C.
 codecs: export RTGEN_CODEC = c

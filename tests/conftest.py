@@ -15,6 +15,7 @@ from pathlib import Path
 import pytest
 import seeds
 from hypothesis import settings
+from interpreters import TRIED_ONCE
 
 # How long an example takes is the machine's matter.
 settings.register_profile("rtgen", deadline=None)
@@ -110,7 +111,16 @@ def _leave_to_nightly(items: Iterable[pytest.Item]) -> None:
         for index, item in enumerate(group):
             if index not in kept:
                 item.add_marker("nightly")
-                item.add_marker("left_out")
+                if _is_tried_on_each(item):
+                    item.add_marker("left_out")
+
+
+def _is_tried_on_each(item: pytest.Item) -> bool:
+    """Return whether the further interpreter of `make nightly` runs a case (`interpreters`)."""
+    folders = [TESTS.parent / each for each in TRIED_ONCE]
+    return not any(map(item.get_closest_marker, ("slow", "peer"))) and not any(
+        each in item.path.parents for each in folders
+    )
 
 
 def _turn(item: pytest.Item) -> tuple[bool, bool]:

@@ -3,8 +3,8 @@
 `make test` draws the same inputs each time, so that what fails is due to a change. `make nightly`
 draws by a seed that depends on the commit, `make fuzz` other inputs each time. `RTGEN_SEED` sets
 a seed, for example that of a failed run, which pytest prints in its header. `RTGEN_BUDGET`
-multiplies the numbers of drawn inputs that tests state, by default 0.2; `make nightly` takes 0.4,
-the workflow 5 each night, `make fuzz` 30.
+multiplies the numbers of drawn inputs that tests state, by default 0.2; the workflow takes 5
+each night, `make fuzz` 30.
 """
 
 from __future__ import annotations
