@@ -165,7 +165,7 @@ function WireLine({ id, data, selected, interactionWidth, ...ends }: EdgeProps<W
 }
 
 /** Below this zoom, boxes show their names alone, in letters that stay legible. */
-const FAR = 0.55;
+const FAR = 0.75;
 
 /** Tells the wiring's style how far away it is seen. */
 function Distance({ of }: { of: RefObject<HTMLElement | null> }) {

@@ -246,7 +246,7 @@ def open_connections(page: Any, instance: str, port: str) -> None:
     choose(page, "Connections", by_keyboard)
     chooser = page.get_by_label("Chosen port")
     chooser.wait_for()
-    for _ in range(10):
+    for _ in range(40):
         page.keyboard.press("Tab")
         if chooser.and_(page.locator(":focus")).count():
             break

@@ -122,7 +122,10 @@ def test_systems_of_the_gallery_can_be_read(still: Any, session: Session) -> Non
         scale = (boxes[0][2] - boxes[0][0]) / still.locator(".box").first.evaluate(
             "each => each.offsetWidth"
         )
-        assert 12 * scale >= TEXT_PX, look.name
+        letters = still.locator(".head strong").first.evaluate(
+            "each => parseFloat(getComputedStyle(each).fontSize)"
+        )
+        assert letters * scale >= TEXT_PX, look.name
         cut = still.locator(
             ".box span, .head, .head strong, .bus-node strong"
         ).evaluate_all(
@@ -159,9 +162,9 @@ def overlap(one: Sequence[float], other: Sequence[float]) -> bool:
 def diagram(name: str) -> list[str]:
     """Return the lines of the SVG of a system in the gallery."""
     svg = (WIRINGS / f"{name}_wiring.svg").read_text(encoding="utf-8")
-    halo = re.search(r'<g class="halo".*?</g>', svg, re.DOTALL)
-    assert halo is not None
-    return re.findall(r'<path d="([^"]+)"', halo[0])
+    lines = re.findall(r'<path class="line[^"]*" d="([^"]+)"', svg)
+    assert lines
+    return lines
 
 
 def crossings(lines: Sequence[str]) -> int:

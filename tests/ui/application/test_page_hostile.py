@@ -141,7 +141,7 @@ def visit(page: Any, tab: str, i: int) -> None:
         objects.get_by_label("Objects", exact=True).fill(f"{0x2000 + i:X}h:0")
         objects.get_by_role("button", name=f"Read {0x2000 + i:X}h:0").click()
         signals = page.get_by_role("region", name="Signals")
-        signals.locator("select").select_option(index=1)
+        signals.get_by_role("checkbox").first.check()
         signals.get_by_role("img", name="Signals over time").wait_for()
     page.wait_for_timeout(30)
 
