@@ -87,7 +87,7 @@ def test_an_environment_of_another_python_is_refused(tmp_path: Path) -> None:
 
 
 def test_each_test_is_run() -> None:
-    """Those that `make test` leaves out are run by `make nightly`, on one interpreter or another."""
+    """Those that `make test` leaves out are run by `make nightly`, on either interpreter."""
     text = (ROOT / "Makefile").read_text(encoding="utf-8")
     selected = re.findall(r'PYTEST,build/pytest\S*,-m "(.+?)"', text)
     assert len(selected) == 3
