@@ -16,14 +16,16 @@ from patience import until
 from test_attached import Project, Sink, Source
 from ui_bench import QUIET
 
-from refrobots.rtc import Time, TimedDouble
+from refrobots.rtc import Time, TimedDouble, TimedOctetSeq
 from rtgen import runtime
 from rtgen.cli import run as rtgen
 from rtgen.runtime import xcdr
 from rtgen.runtime.distribution import local_runs
 from rtgen.runtime.distribution.local_link import LocalLink
 from rtgen.runtime.distribution.local_listener import ServedRun
+from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.return_codes import ReturnCode_t
+from rtgen.runtime.services.transports import RemotePort
 from rtgen.ui.attaching import RunLink, chosen
 from rtgen.ui.peers_watcher import PeersWatcher
 from rtgen.ui.protocol import ui
@@ -321,3 +323,52 @@ def test_a_program_that_does_not_read_does_not_stop_a_run(begin: Begin) -> None:
         begun = run.system.time
         until(lambda: run.system.time > begun + 100_000_000_000)
     stream.close()
+
+
+def test_samples_that_are_too_long_are_left_out(
+    begin: Begin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The connection goes on, and counts them."""
+    monkeypatch.setattr(local_runs, "MAX_LENGTH", 2000)
+    run = begin()
+    wide = Sink("Wide0")
+    out = wide.add_out_port("out", TimedOctetSeq)
+    run.system.add(wide)
+    received: list[int] = []
+    with LocalLink(run.path) as link:
+        until(lambda: "Wide0" in link.instances)
+        there = RemotePort("Wide0", "out")
+        link.listen(
+            there, TimedOctetSeq, lambda value: received.append(len(value.data))
+        )
+
+        def is_received() -> bool:
+            for size in (3000, 100):
+                out.write(TimedOctetSeq(Time(), bytes(size)))
+            return bool(received)
+
+        until(is_received)
+        until(lambda: link.dropped > 0)
+        with pytest.raises(MediumError, match="at most 2000 are sent"):
+            link.give(there, TimedOctetSeq, TimedOctetSeq(Time(), bytes(3000)))
+        assert link.end == ""
+    assert {*received} == {100}
+
+
+def test_a_socket_is_there_when_somebody_listens(
+    folder: Path, monkeypatch: pytest.MonkeyPatch, begin: Begin
+) -> None:
+    """Who looks for runs would remove one that refuses a connection."""
+    before: list[Path] = []
+
+    class Looking(socket.socket):
+        def listen(self, *arguments: int) -> None:
+            before.extend(folder.glob(f"*{local_runs.SUFFIX}"))
+            super().listen(*arguments)
+
+    with monkeypatch.context() as patched:
+        patched.setattr(socket, "socket", Looking)
+        run = begin()
+    assert before == []
+    assert [path for path, _ in local_runs.runs()] == [run.path]
+    assert [*folder.iterdir()] == [run.path]

@@ -44,8 +44,9 @@ _LOST = "its process has ended without a farewell: it was killed, or has crashed
 class LocalLink(Closable):
     """A connection to the run of a socket; `timeout` [s] of a request. Raises OSError.
 
-    `time` is that of the run [ns], `end` the reason of its end, empty while it lasts. `told` is
-    called after each change of instances, connections, and at the end; from any thread.
+    `time` is that of the run [ns], `end` the reason of its end, empty while it lasts, `dropped` the
+    number of samples that the run has left out. `told` is called after each change of instances,
+    connections, and at the end; from any thread.
     """
 
     def __init__(
@@ -54,7 +55,7 @@ class LocalLink(Closable):
         self._stream, self.hello = local_runs.connect(path)
         self._timeout = timeout
         self._told = told
-        self.time = 0
+        self.time = self.dropped = 0
         self.end = ""
         self.instances: list[str] = []
         self.wires: list[Wire] = []
@@ -142,8 +143,12 @@ class LocalLink(Closable):
 
     def _send(self, message: Any) -> None:
         try:
+            data = packed(message)
+        except ValueError as error:
+            raise MediumError(str(error)) from None
+        try:
             with self._sending:
-                self._stream.sendall(packed(message))
+                self._stream.sendall(data)
         except OSError as error:
             raise PeerLostError(self.end or _LOST) from error
 
@@ -176,8 +181,14 @@ class LocalLink(Closable):
                 queue = self._answers.get(number)
                 if queue is not None:
                     queue.put(octets)
-            case Status(time, instances, wires):
+            case Status(time, instances, wires, dropped):
                 self.time = max(self.time, time)
+                if dropped and not self.dropped:
+                    log.warning(
+                        "%s: samples are left out here: they come too fast, or are too long",
+                        self.hello.name,
+                    )
+                self.dropped = dropped
                 if instances is not None:
                     self.instances = instances
                 if wires is not None:

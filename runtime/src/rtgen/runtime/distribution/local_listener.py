@@ -59,11 +59,14 @@ class ServedRun(Closable):
             f"{os.getpid()}-{next(_numbers)}{local_runs.SUFFIX}"
         )
         listening = socket.socket(socket.AF_UNIX, socket.SOCK_STREAM)
+        # A socket at which nobody listens is taken for that of a killed process, and removed.
+        begun = path.with_suffix(".new")
         try:
             with suppress(FileNotFoundError):
-                path.unlink()  # of a process that was killed, whose number this one has
-            listening.bind(str(path))
+                begun.unlink()  # of a process that was killed, whose number this one has
+            listening.bind(str(begun))
             listening.listen(local_runs.MAX_CLIENTS)
+            begun.replace(path)
         except OSError:
             listening.close()
             raise

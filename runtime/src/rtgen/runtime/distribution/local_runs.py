@@ -20,8 +20,8 @@ MAX_CLIENTS: Final = 8
 FOLDER: Final = "RTGEN_RUN_DIR"
 """The environment variable that names the folder."""
 SUFFIX: Final = ".sock"
-MAX_LENGTH: Final = 8 << 20
-"""Maximum length of a message [octets]."""
+MAX_LENGTH: Final = 64 << 20
+"""Maximum length of a message [octets]; samples such as clouds of points fit."""
 _LENGTH: Final = 4
 _PATIENCE: Final = 2.0
 """Time in which a run sends its `Hello` [s]."""
@@ -185,8 +185,12 @@ def connect(path: Path) -> tuple[socket.socket, Hello]:
 
 
 def packed(message: Any) -> bytes:
-    """Return a message with its length."""
+    """Return a message with its length. Raises ValueError if it is too long."""
     data = msgspec.msgpack.encode(message)
+    if len(data) > MAX_LENGTH:
+        raise ValueError(
+            f"a message of {len(data)} octets; at most {MAX_LENGTH} are sent"
+        )
     return len(data).to_bytes(_LENGTH, "big") + data
 
 

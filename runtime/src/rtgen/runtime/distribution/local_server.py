@@ -49,7 +49,8 @@ from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SECOND
 
 _MAX_VALUES: Final = 2000
-"""Maximum number of samples that wait for a client; more are dropped."""
+"""Maximum number of samples that wait for a client; more are dropped, and so are further ones while
+more than `MAX_LENGTH` octets wait."""
 _MAX_WAITING: Final = 4096
 """Maximum number of all messages that wait for a client; it is left beyond."""
 _FLUSH: Final = 1 / 30
@@ -273,8 +274,8 @@ class _Client:
         self._controls: dict[Component, Control] = {}
         self._changed = threading.Condition()
         self._waiting: deque[bytes] = deque()
-        self._values = 0
-        """How many of them are samples."""
+        self._values = self._octets = 0
+        """How many of them are samples, and the length of these."""
         self._dropped = 0
         self._is_urgent = False
         self._closing = False
@@ -308,16 +309,22 @@ class _Client:
 
     def has_room(self) -> bool:
         """Return whether a sample can be sent; else it is counted as dropped."""
-        if self._values < _MAX_VALUES:
+        if self._values < _MAX_VALUES and self._octets <= local_runs.MAX_LENGTH:
             return True
         self._dropped += 1
         return False
 
     def put_value(self, value: Value) -> None:
-        """Send a sample."""
+        """Send a sample; one that is too long is dropped."""
+        try:
+            data = packed(value)
+        except ValueError:
+            self._dropped += 1
+            return
         with self._changed:
             self._values += 1
-            self._waiting.append(packed(value))
+            self._octets += len(data)
+            self._waiting.append(data)
 
     def _write(self) -> None:
         told = _Told()
@@ -329,7 +336,8 @@ class _Client:
                     )
                     data = b"".join(self._waiting)
                     self._waiting.clear()
-                    self._values, self._is_urgent = 0, False
+                    self._values = self._octets = 0
+                    self._is_urgent = False
                     closing = self._closing
                 if not closing:
                     data += told.status(self._run, self._dropped)
@@ -388,4 +396,8 @@ class _Client:
         self._reply(number, refused.encode())
 
     def _reply(self, number: int, octets: bytes) -> None:
-        self.put(Answer(number, octets))
+        try:
+            self.put(Answer(number, octets))
+        except ValueError as error:
+            refused = msgspec.json.encode({"error": str(error)})
+            self.put(Answer(number, refused))
