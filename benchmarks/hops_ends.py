@@ -18,6 +18,7 @@ import struct
 import sys
 import threading
 import time
+from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -34,16 +35,16 @@ Take = Callable[[int], None]
 """What is called with the time [ns] at which a sample was sent."""
 
 
-class Ends:
+class Ends(ABC):
     """Writers and readers of a library alone; connection `n` is that of part `n` to the next."""
 
+    @abstractmethod
     def writer(self, number: int) -> Take:
         """Return a function that sends a time over a connection."""
-        raise NotImplementedError
 
+    @abstractmethod
     def read(self, number: int, take: Take) -> None:
         """Call a function with what comes over a connection."""
-        raise NotImplementedError
 
     def is_connected(self) -> bool:
         """Whether all readers are known."""
