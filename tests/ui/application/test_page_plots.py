@@ -104,6 +104,9 @@ def test_keys_zoom_and_move_the_cursor(page: Any, pose: Any) -> None:
 
 
 def test_the_table_has_the_values_at_the_cursor(page: Any, pose: Any) -> None:
+    # Also not that of the mouse of the test before.
+    cursor = pose.get_by_role("status", name="Time at the cursor")
+    until(page, lambda: cursor.inner_text() == "")
     newest = float(cells(pose)[0])
     box = pose.locator(".u-over").bounding_box()
     page.mouse.move(box["x"] + 2, box["y"] + 50)
