@@ -102,7 +102,8 @@ codecs: speed
 
 MARSHALLING = tests/compiler/types tests/fuzz/test_doors.py tests/ros2/test_marshaling.py \
 	tests/runtime/corba/test_corba_anys.py tests/runtime/corba/test_corba_types.py \
-	tests/runtime/system/test_data_port_buffers.py tests/interop/test_cdr_constructs.py \
+	tests/runtime/system/test_data_port_buffers.py tests/runtime/system/test_latencies.py \
+	tests/runtime/system/test_ports_in_c.py tests/runtime/system/test_value_checks.py tests/interop/test_cdr_constructs.py \
 	tests/interop/test_cdr_omniorb.py tests/interop/test_random_types_omniorb.py \
 	tests/tools/diff/test_wire_of_types.py
 

@@ -3,9 +3,9 @@
     python tests/sanitized.py [--seconds S] [--first N]
 
 The module is built in `build/sanitized` by gcc. A case changes the octets of a type, in CDR, XCDR1
-or XCDR2, decodes and encodes them, as in `tests/fuzz/idl.py octets`; then it decodes each beginning
-of the last ones that had a value, and these with each octet changed. At the first finding the
-program ends with the report of the sanitizer; `--first` is the case to go on with.
+or XCDR2, decodes and encodes them: a few as in `tests/fuzz/idl.py octets`, and many by
+`speed/src/explorer.c`, which calls no Python. At the first finding the program ends with the report
+of the sanitizer, or with the octets; `--first` is the case to go on with.
 """
 
 from __future__ import annotations
@@ -16,21 +16,23 @@ import subprocess
 import sys
 import tempfile
 import time
-from array import array
 from collections import Counter
-from collections.abc import Callable, Iterator
 from pathlib import Path
 from random import Random
+from typing import Any
 
 import speed
 
+from rtgen.runtime.marshalling.compiler import compiled
+from rtgen.runtime.marshalling.layouts.formats import Format
+
 FILE = speed.ROOT / "build" / "sanitized" / speed.FILE.name
 FLAGS = "-fsanitize=address,undefined -fno-sanitize-recover=all"
-_CHUNK = 50
+_CHUNK = 5
 """Cases between two looks at the clock."""
 _CHANGES = 40
-_LONGEST = 400
-_OCTETS = (b"\x00", b"\x01", b"\x04", b"\x7f", b"\x80", b"\xff")
+_INPUTS = 20_000
+"""Octets of a case that the explorer in C changes."""
 
 
 def environment() -> dict[str, str]:
@@ -39,7 +41,9 @@ def environment() -> dict[str, str]:
     Raises CalledProcessError or OSError if gcc or its sanitizers are missing.
     """
     libraries = [_library(name) for name in ("libasan.so", "libubsan.so")]
-    speed.build(FILE, CC="gcc", CFLAGS=f"-g -O1 {FLAGS}", LDFLAGS=FLAGS)
+    speed.build(
+        FILE, CC="gcc", CFLAGS=f"-g -O1 -DRTGEN_EXPLORER {FLAGS}", LDFLAGS=FLAGS
+    )
     return {
         **os.environ,
         "LD_PRELOAD": " ".join(libraries),
@@ -76,35 +80,30 @@ def explore(seconds: float, first: int) -> Counter[str]:
         for case in range(number, number + _CHUNK):
             chance = Random(case)
             encoding = chance.choice(encodings)
-            grown = encoding.least
-            for changed, outcome in octets.explore(encoding, chance, _CHANGES):
+            for _, outcome in octets.explore(encoding, chance, _CHANGES):
                 outcomes[outcome] += 1
-                if outcome.endswith("value"):
-                    grown = changed
-            for changed in _neighbours(grown[:_LONGEST]):
-                outcomes[_decoded(encoding.read, changed)] += 1
+            outcomes.update(_explored(rtgen_speed, encoding, case))
         number += _CHUNK
     return outcomes
 
 
-def _neighbours(octets: bytes) -> Iterator[bytes]:
-    """Yield each beginning, and the octets with one changed."""
-    for end in range(len(octets)):
-        yield octets[:end]
-    for place in range(len(octets)):
-        for octet in _OCTETS:
-            yield octets[:place] + octet + octets[place + 1 :]
+def _explored(module: Any, encoding: Any, case: int) -> dict[str, int]:
+    """Return the outcomes of the explorer in C; none for a type without codecs in C."""
+    from octets import VERSIONS
 
-
-def _decoded(read: Callable[[bytes], object], data: bytes) -> str:
-    from rtgen.runtime.cdr import CdrError
-
-    try:
-        # A block of this very length: bytes have one more octet, arrays have room to grow.
-        read(memoryview(array("B", data) * 1))  # type: ignore[arg-type]
-    except CdrError:
-        return "decoded: CdrError"
-    return "decoded: value"
+    format_ = Format(VERSIONS[encoding.name] or 0)
+    codecs = [
+        compiled(kind, encoding.type._descriptor_, format_)
+        for kind in ("from_cdr", "to_cdr", "_snapshot_")
+    ]
+    if not all(isinstance(codec, module.Codec) for codec in codecs):
+        return {}
+    counts = module.explore(
+        *codecs, encoding.least, encoding.little_endian, case, _INPUTS
+    )
+    return dict(
+        zip(("C: CdrError", "C: value", "C: read-only value"), counts, strict=True)
+    )
 
 
 def main() -> int:

@@ -123,6 +123,7 @@ Py_ssize_t slot_of(PyTypeObject *, PyObject *name);
 int put_any(Writer *, PyObject *);
 PyObject *take_any(Reader *);
 PyObject *instance(const Node *, PyObject **values);
+int add_ports(PyObject *module);
 
 #if defined(_MSC_VER)
 #define ALWAYS static __forceinline

@@ -242,7 +242,14 @@ static PyObject *set_any(PyObject *module, PyObject *args) {
     Py_RETURN_NONE;
 }
 
+#ifdef RTGEN_EXPLORER
+#include "explorer.c"
+#endif
+
 static PyMethodDef functions[] = {
+#ifdef RTGEN_EXPLORER
+    {"explore", explore, METH_VARARGS, "Decodes changed octets; returns how many were refused, values, and values not encoded."},
+#endif
     {"set_any", set_any, METH_VARARGS, "Sets the class of `any`, and the tables and makers of its types."},
     {"set_numeric_array", set_numeric_array, METH_O, "Sets the class of arrays of numbers."},
     {NULL, NULL, 0, NULL},
@@ -266,7 +273,7 @@ PyMODINIT_FUNC PyInit_rtgen_speed(void) {
     if (module == NULL || little_endian_name == NULL) return NULL;
     int failed = PyModule_AddObjectRef(module, "Table", (PyObject *)&Table_Type) ||
                  PyModule_AddObjectRef(module, "Codec", (PyObject *)&Codec_Type) ||
-                 PyModule_AddIntConstant(module, "INTERFACE", 1);
+                 PyModule_AddIntConstant(module, "INTERFACE", 2) || add_ports(module);
     for (int kind = 0; kind < KINDS && !failed; kind++) failed = PyModule_AddIntConstant(module, kinds[kind], kind);
     if (!failed) return module;
     Py_DECREF(module);

@@ -78,7 +78,7 @@ _Entry: TypeAlias = tuple[Descriptor, bytes, Any]
 """A type, the octets of its type code, and a codec of its values; None if it has none (`null`)."""
 _Member: TypeAlias = tuple[str, int, int, int, bool, bool, bool]
 
-INTERFACE: Final = 1
+INTERFACE: Final = 2
 """The version of the tables and of the calls on `rtgen_speed`."""
 
 _MODES = {

@@ -32,6 +32,7 @@ from rtgen.runtime.marshalling.layouts.formats import UnsupportedError
 from rtgen.runtime.marshalling.reference_counts import COUNTS_VARIABLES
 from rtgen.runtime.ports import connector_properties
 from rtgen.runtime.ports.buffers import RingBuffer
+from rtgen.runtime.ports.in_c import module
 from rtgen.runtime.ports.publisher import Publisher
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.timing.guards import SINGLE_THREAD, Guard
@@ -282,18 +283,16 @@ class OutPort(Generic[T]):
         PRECONDITION_NOT_MET without connection. Raises SampleTypeError for another type, and
         CdrError for a value that is checked and that its type does not allow.
         """
-        if (
-            move
-            and _SOLE_REFERENCES
-            and sys.getrefcount(value) <= _SOLE_REFERENCES
-            and value.__class__ is self.type
-            and self._connectors
-            and not self._outlets
-        ):
-            if self._unchecked:
-                self._check_value(value)
-            return self._give(value)
+        if move and _SOLE_REFERENCES and sys.getrefcount(value) <= _SOLE_REFERENCES:
+            return self._write_moved(value)
         return self._write(value)
+
+    def _write_moved(self, value: T) -> PortStatus:
+        if value.__class__ is not self.type or not self._connectors or self._outlets:
+            return self._write(value)
+        if self._unchecked:
+            self._check_value(value)
+        return self._give(value)
 
     def check_values(self, check: CheckValues) -> None:
         """Set which values are checked from now on."""
@@ -553,6 +552,20 @@ class DataConnector(Generic[T]):
         overwrites = buffer.settings.full_policy is FullPolicy.OVERWRITE
         samples, append, send = buffer.samples, buffer.samples.append, self.send
         drop = getattr(samples, "drop", samples.popleft)
+        in_c = module(OutPort, InPort, _SOLE_REFERENCES)
+        if in_c is not None:
+            way: Callable[[T], PortStatus] = in_c.Way(
+                type_,
+                samples,
+                length,
+                overwrites,
+                snapshot,
+                send,
+                buffer,
+                drop,
+                PORT_OK,
+            )
+            return way
 
         def write(value: T) -> PortStatus:
             if value.__class__ is not type_:
