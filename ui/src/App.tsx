@@ -26,12 +26,13 @@ import { openPicker } from "./picker.ts";
 import { Rename } from "./Rename.tsx";
 import { PHONE, ROOM, useWidth } from "./width.ts";
 import { TimeBar } from "./TimeBar.tsx";
-import { COMPONENT, PRESETS, hasContent, isOfComponent, isSeen, isView, read } from "./views.ts";
+import { COMPONENT, PRESETS, hasContent, isOfComponent, isSeen, isView, read, titleOf } from "./views.ts";
 import type { View } from "./views.ts";
 import { Wiring } from "./Wiring.tsx";
 import { Arranger, Workspace } from "./Workspace.tsx";
 import type { PlannedEvent } from "./protocol/Ui.ts";
 import { stateClass, stateOf, store } from "./store.ts";
+import { t } from "./texts.ts";
 
 const NOTHING: readonly PlannedEvent[] = [];
 /** The panes of the last page. */
@@ -208,20 +209,20 @@ export function App() {
     <Tooltip.Provider delayDuration={400}>
       <div className={`app ${isWide ? "wide" : "narrow"}`} onKeyDown={openPicker}>
         <Head {...head} isPhone={isPhone} isWide={isWide} ask={ask} />
-        <p className="announced" role="log" aria-label="Changes of the wiring">
+        <p className="announced" role="log" aria-label={t("Changes of the wiring")}>
           {page.announced}
         </p>
         {page.notice && (
           <div className="toasts">
             <div className="notice" role="alert">
               <span>{page.notice}</span>
-              <IconButton icon={X} look="plain" label="Dismiss notice" onClick={() => store.notify("")} />
+              <IconButton icon={X} look="plain" label={t("Dismiss notice")} onClick={() => store.notify("")} />
             </div>
           </div>
         )}
         {!system ? (
           <main className="empty">
-            <strong>Waiting for the system.</strong>
+            <strong>{t("Waiting for the system.")}</strong>
           </main>
         ) : isWide ? (
           <main>
@@ -235,7 +236,7 @@ export function App() {
             </div>
             {isOfComponent(shown) ? (
               <div className="screen">
-                <Tabs label="Views of the component" names={COMPONENT} shown={shown as (typeof COMPONENT)[number]} show={open}>
+                <Tabs label={t("Views of the component")} names={COMPONENT} title={titleOf} shown={shown as (typeof COMPONENT)[number]} show={open}>
                   {content(shown)}
                 </Tabs>
               </div>
@@ -254,7 +255,7 @@ export function App() {
                   )
                 )}
                 <Button look="primary" onClick={() => open("Values")}>
-                  Details
+                  {t("Details")}
                 </Button>
               </div>
             )}
@@ -262,10 +263,10 @@ export function App() {
         )}
         {system?.time.reason && (
           <p className="notice ended" role="alert">
-            <span>{`The run has ended at ${system.time.now.toFixed(3)} s: ${system.time.reason}`}</span>
+            <span>{t("The run has ended at {now} s: {reason}", { now: system.time.now.toFixed(3), reason: system.time.reason })}</span>
             {system.time.kind === "CLOCK_SIMULATED" && (
               <Button disabled={!full} onClick={() => store.order({ case: "time", value: 0 })}>
-                Go to 0
+                {t("Go to 0")}
               </Button>
             )}
           </p>

@@ -1,20 +1,21 @@
 /** The views of a narrow page: one fills the screen, the bar below it changes it. */
 
-import { Boxes, ChartLine, Ellipsis, Gamepad2, History, Map as MapIcon, Workflow } from "lucide-react";
+import { Boxes, ChartLine, Ellipsis, Gamepad2, History, Languages, Map as MapIcon, Workflow } from "lucide-react";
 import type { LucideIcon } from "lucide-react";
 import { useState } from "react";
 import type { ReactNode } from "react";
 import { Button } from "./kit/Button.tsx";
 import { Dialog } from "./kit/Dialog.tsx";
+import { languages, t } from "./texts.ts";
 import type { View } from "./views.ts";
-import { VIEWS, isOfComponent } from "./views.ts";
+import { VIEWS, isOfComponent, titleOf } from "./views.ts";
 
 const SHOWN: readonly (readonly [View, string, LucideIcon])[] = [
-  ["Wiring", "Wiring", Workflow],
-  ["Values", "Values", ChartLine],
-  ["Map", "Map", MapIcon],
-  ["Drive", "Drive", Gamepad2],
-  ["Timeline", "Time", History],
+  ["Wiring", t("Wiring"), Workflow],
+  ["Values", t("Values"), ChartLine],
+  ["Map", t("Map"), MapIcon],
+  ["Drive", t("Drive"), Gamepad2],
+  ["Timeline", t("Time"), History],
 ];
 
 export function Bar({ shown, show, offered, children }: { shown: View; show: (view: View) => void; offered: (view: View) => boolean; children?: ReactNode }) {
@@ -22,7 +23,7 @@ export function Bar({ shown, show, offered, children }: { shown: View; show: (vi
   const isIn = (view: View) => view === shown || (view === "Values" && isOfComponent(shown));
   const rest = VIEWS.filter((each) => !isOfComponent(each) && !SHOWN.some(([view]) => view === each) && (each === "Palette" || offered(each)));
   return (
-    <nav className="bar" aria-label="Views">
+    <nav className="bar" aria-label={t("Views")}>
       {SHOWN.map(([view, name, Icon]) => (
         <button key={view} type="button" aria-current={isIn(view) ? "page" : undefined} onClick={() => show(view)}>
           <Icon size={20} aria-hidden />
@@ -31,10 +32,10 @@ export function Bar({ shown, show, offered, children }: { shown: View; show: (vi
       ))}
       <button type="button" aria-haspopup="dialog" aria-current={SHOWN.some(([view]) => isIn(view)) ? undefined : "page"} onClick={() => open(true)}>
         <Ellipsis size={20} aria-hidden />
-        More
+        {t("More")}
       </button>
       {more && (
-        <Dialog title="More" close={() => open(false)} className="more">
+        <Dialog title={t("More")} close={() => open(false)} className="more">
           <div className="choice">
             {rest.map((view) => (
               <Button
@@ -46,11 +47,18 @@ export function Bar({ shown, show, offered, children }: { shown: View; show: (vi
                   show(view);
                 }}
               >
-                {view === "Palette" ? "Components" : view}
+                {view === "Palette" ? t("Components") : titleOf(view)}
               </Button>
             ))}
           </div>
           {children}
+          <div className="choice">
+            {languages().map(({ name, act }) => (
+              <Button key={name} icon={Languages} onClick={act}>
+                {name}
+              </Button>
+            ))}
+          </div>
         </Dialog>
       )}
     </nav>

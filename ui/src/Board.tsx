@@ -3,6 +3,7 @@
 import { useState } from "react";
 import type { BoardCall } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 import { hexadecimal } from "./traffic.ts";
 
 const BINS = 12;
@@ -17,12 +18,12 @@ const listed = (values: BoardCall["request_values"]): string => values.map((each
 export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
   return (
     <div className="rows" tabIndex={0}>
-      <table aria-label="Calls to the board">
+      <table aria-label={t("Calls to the board")}>
         <thead>
           <tr>
-            <th scope="col">time [s]</th>
-            <th scope="col">octets</th>
-            <th scope="col">meaning</th>
+            <th scope="col">{t("time [s]")}</th>
+            <th scope="col">{t("octets")}</th>
+            <th scope="col">{t("meaning")}</th>
           </tr>
         </thead>
         {calls.map((call, i) => (
@@ -33,13 +34,13 @@ export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
               </th>
               <td className="octets">{hexadecimal(call.request)}</td>
               <td className="text">
-                {call.function ? <strong>{call.function}</strong> : "request"} <bdi>{listed(call.request_values)}</bdi>
+                {call.function ? <strong>{call.function}</strong> : t("request")} <bdi>{listed(call.request_values)}</bdi>
               </td>
             </tr>
             <tr>
               <td className="octets">{hexadecimal(call.reply)}</td>
               <td className="text">
-                {call.error ? <span className="reason">{call.error}</span> : listed(call.reply_values) || (call.function ? "no values" : printable(call.reply))}
+                {call.error ? <span className="reason">{call.error}</span> : listed(call.reply_values) || (call.function ? t("no values") : printable(call.reply))}
               </td>
             </tr>
           </tbody>
@@ -74,13 +75,13 @@ export function Histogram({ calls }: { calls: readonly BoardCall[] }) {
   const width = 360 / counts.length;
   return (
     <figure>
-      <svg className="histogram" viewBox="0 0 360 130" role="img" aria-label={`Round trips of ${trips.length} calls, mean ${micro(mean)}`}>
+      <svg className="histogram" viewBox="0 0 360 130" role="img" aria-label={t("Round trips of {count} calls, mean {mean}", { count: trips.length, mean: micro(mean) })}>
         {counts.map((count, i) => {
           const height = (count / highest) * 100;
           return (
             <g key={i}>
               <rect x={i * width + 1} y={112 - height} width={width - 2} height={height}>
-                <title>{`${micro(edges[i]!)} to ${micro(edges[i + 1]!)}: ${count}`}</title>
+                <title>{t("{least} to {most}: {count}", { least: micro(edges[i]!), most: micro(edges[i + 1]!), count })}</title>
               </rect>
               {count > 0 && (
                 <text x={(i + 0.5) * width} y={109 - height} textAnchor="middle">
@@ -94,11 +95,11 @@ export function Histogram({ calls }: { calls: readonly BoardCall[] }) {
           {micro(edges[0]!)}
         </text>
         <text x="360" y="126" textAnchor="end">
-          {counts.length > 1 && `from ${micro(edges.at(-2)!)} to ${micro(edges.at(-1)!)}`}
+          {counts.length > 1 && t("from {least} to {most}", { least: micro(edges.at(-2)!), most: micro(edges.at(-1)!) })}
         </text>
       </svg>
       <figcaption>
-        Round trips of {trips.length} calls: mean {micro(mean)}, spread {micro(spread)}, least {micro(edges[0]!)}, most {micro(edges.at(-1)!)}
+        {t("Round trips of {count} calls: mean {mean}, spread {spread}, least {least}, most {most}", { count: trips.length, mean: micro(mean), spread: micro(spread), least: micro(edges[0]!), most: micro(edges.at(-1)!) })}
       </figcaption>
     </figure>
   );
@@ -107,15 +108,15 @@ export function Histogram({ calls }: { calls: readonly BoardCall[] }) {
 export function Board() {
   const [chosen, choose] = useState("");
   const { calls } = store.traffic;
-  if (!calls.length) return <p>No board has been called yet.</p>;
+  if (!calls.length) return <p>{t("No board has been called yet.")}</p>;
   const functions = [...new Set(calls.map((each) => each.function))].filter(Boolean).sort();
   const shown = functions.includes(chosen) ? calls.filter((each) => each.function === chosen) : calls;
   return (
     <>
       <label>
-        Function
+        {t("Function")}
         <select value={chosen} onChange={(e) => choose(e.target.value)}>
-          <option value="">all</option>
+          <option value="">{t("all")}</option>
           {functions.map((each) => (
             <option key={each} value={each}>{each}</option>
           ))}

@@ -15,6 +15,7 @@ import { Plot, Span } from "./Plot.tsx";
 import type { Bus, SystemState } from "./protocol/Ui.ts";
 import { Send } from "./Send.tsx";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 import type { Seen } from "./traffic.ts";
 import { identifierOf, wordsOf } from "./traffic.ts";
 
@@ -30,7 +31,7 @@ function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: b
     <button
       type="button"
       aria-haspopup="menu"
-      aria-label={`NMT command to ${name}`}
+      aria-label={t("NMT command to {name}", { name })}
       disabled={!full}
       onClick={(e) => {
         const { x, bottom } = e.currentTarget.getBoundingClientRect();
@@ -42,18 +43,18 @@ function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: b
   );
   const last = new Map(store.traffic.emergencies.filter((each) => each.bus === bus.name).map((each) => [each.node_id, each]));
   return (
-    <section aria-label="Nodes and NMT">
-      <h2>Nodes</h2>
+    <section aria-label={t("Nodes and NMT")}>
+      <h2>{t("Nodes")}</h2>
       <div className="nodes">
-      <table aria-label="Nodes">
+      <table aria-label={t("Nodes")}>
         <thead>
           <tr>
             <th scope="col">id</th>
-            <th scope="col">node</th>
-            <th scope="col">NMT state</th>
-            <th scope="col">last EMCY</th>
-            <th scope="col">components</th>
-            <th scope="col">{control(0, "all nodes")}</th>
+            <th scope="col">{t("node")}</th>
+            <th scope="col">{t("NMT state")}</th>
+            <th scope="col">{t("last EMCY")}</th>
+            <th scope="col">{t("components")}</th>
+            <th scope="col">{control(0, t("all nodes"))}</th>
           </tr>
         </thead>
         <tbody>
@@ -63,7 +64,7 @@ function Nodes({ bus, lines, full }: { bus: Bus; lines: readonly Line[]; full: b
               <tr key={node.id}>
                 <td>{node.id}</td>
                 <td className="text" title={bus.nodes.find((each) => each.node_id === node.id)?.device}>{node.name}</td>
-                <td className="text">{node.nmtState || "unknown"}</td>
+                <td className="text">{node.nmtState || t("unknown")}</td>
                 <td className="text" title={emergency && `${emergency.time.toFixed(3)} s`}>{emergency ? wordsOf(emergency) : ""}</td>
                 <td className="text">{[...node.proxies, ...node.devices].join(", ")}</td>
                 <td>{control(node.id, node.name)}</td>
@@ -96,16 +97,16 @@ function Load({ bus }: { bus: Bus }) {
         <>
           {bus.bit_rate > 0 && (
             <>
-              <meter aria-label="Load of the bus" min={0} max={1} low={0.4} high={0.7} optimum={0} value={last.load} />
-              <span>load {percent(last.load)}</span>
+              <meter aria-label={t("Load of the bus")} min={0} max={1} low={0.4} high={0.7} optimum={0} value={last.load} />
+              <span>{t("load {load}", { load: percent(last.load) })}</span>
             </>
           )}
-          <span>{last.frames} frames/s</span>
+          <span>{t("{count} frames/s", { count: last.frames })}</span>
         </>
       ) : (
-        <span>load not measured yet</span>
+        <span>{t("load not measured yet")}</span>
       )}
-      {bus.computed_load >= 0 && <span>computed {percent(bus.computed_load)}</span>}
+      {bus.computed_load >= 0 && <span>{t("computed {load}", { load: percent(bus.computed_load) })}</span>}
     </p>
   );
 }
@@ -114,14 +115,14 @@ function LoadPlot({ bus }: { bus: Bus }) {
   const read = (): Curve[] => {
     const loads = store.traffic.loads.get(bus.name) ?? [];
     const times = loads.map((each) => each.time);
-    const curve = (key: string, colour: number, value: (load: number) => number): Curve => ({ key, name: key, unit: "%", times, values: loads.map((each) => 100 * value(each.load)), colour });
-    return [curve("measured", 0, (load) => load), ...(bus.computed_load < 0 ? [] : [curve("computed", 1, () => bus.computed_load)])];
+    const curve = (key: string, name: string, colour: number, value: (load: number) => number): Curve => ({ key, name, unit: "%", times, values: loads.map((each) => 100 * value(each.load)), colour });
+    return [curve("measured", t("measured"), 0, (load) => load), ...(bus.computed_load < 0 ? [] : [curve("computed", t("computed"), 1, () => bus.computed_load)])];
   };
   if (bus.bit_rate <= 0) return null;
   return (
-    <section aria-label="Load">
-      <h2>Load</h2>
-      <Plot id={`load ${bus.name}`} read={read} label={`Load of ${bus.name} over time`} zero />
+    <section aria-label={t("Load")}>
+      <h2>{t("Load")}</h2>
+      <Plot id={`load ${bus.name}`} read={read} label={t("Load of {name} over time", { name: bus.name })} zero />
     </section>
   );
 }
@@ -148,14 +149,14 @@ function Frames({ frames, caption, counted = false }: { frames: readonly Seen[];
       <table aria-label={caption} className="frames" style={{ "--columns": counted ? COUNTED : PLAIN } as CSSProperties}>
         <thead>
           <tr>
-            <th scope="col">time [s]</th>
-            {counted && <th scope="col">count</th>}
+            <th scope="col">{t("time [s]")}</th>
+            {counted && <th scope="col">{t("count")}</th>}
             {counted && <th scope="col">ms</th>}
             <th scope="col">id</th>
-            <th scope="col">node</th>
-            <th scope="col">kind</th>
-            <th scope="col">octets</th>
-            <th scope="col">meaning</th>
+            <th scope="col">{t("node")}</th>
+            <th scope="col">{t("kind")}</th>
+            <th scope="col">{t("octets")}</th>
+            <th scope="col">{t("meaning")}</th>
           </tr>
         </thead>
         <tbody>
@@ -182,10 +183,10 @@ function Frames({ frames, caption, counted = false }: { frames: readonly Seen[];
   );
 }
 
-const HELP = `Words, all of which a frame must have: tpdo1 node2
+const HELP = t(`Words, all of which a frame must have: tpdo1 node2
 id:181 id:180-1FF node:2 kind:tpdo* data:0102 len>4 time<3
 a field of a name: velocity>0.5
-a | b: one of them   !a: not   ( ): groups   "two words"`;
+a | b: one of them   !a: not   ( ): groups   "two words"`);
 
 /** The frames of a bus, the newest first, or the newest of each identifier. */
 function Traffic({ bus }: { bus: string }) {
@@ -202,23 +203,23 @@ function Traffic({ bus }: { bus: string }) {
   const all = (counted ? seen.newest : seen.frames).filter(matches);
   const frames = counted ? all.sort((a, b) => a.frame.can_id - b.frame.can_id) : all.slice(-SHOWN).reverse();
   return (
-    <section aria-label="Frames">
+    <section aria-label={t("Frames")}>
       <div className="toolbar">
         <label className="filter">
-          <span className="announced">Filter</span>
-          <input type="search" aria-label="Filter" title={HELP} aria-invalid={reason !== ""} value={filter} placeholder="Filter: tpdo1 node2, id:180-1FF, velocity>0.5" onChange={(e) => setFilter(e.target.value)} />
+          <span className="announced">{t("Filter")}</span>
+          <input type="search" aria-label={t("Filter")} title={HELP} aria-invalid={reason !== ""} value={filter} placeholder={t("Filter: tpdo1 node2, id:180-1FF, velocity>0.5")} onChange={(e) => setFilter(e.target.value)} />
         </label>
-        <Button icon={Rows3} title="One row for each identifier, with its period and what has changed" aria-pressed={counted} onClick={() => count(!counted)}>
-          By identifier
+        <Button icon={Rows3} title={t("One row for each identifier, with its period and what has changed")} aria-pressed={counted} onClick={() => count(!counted)}>
+          {t("By identifier")}
         </Button>
-        <Button icon={Pause} title="Keep these frames on the page; the bus goes on" aria-pressed={held !== undefined} onClick={() => hold(held ? undefined : now())}>
-          Hold
+        <Button icon={Pause} title={t("Keep these frames on the page; the bus goes on")} aria-pressed={held !== undefined} onClick={() => hold(held ? undefined : now())}>
+          {t("Hold")}
         </Button>
-        <IconButton icon={Eraser} look="plain" label="Clear frames" onClick={() => clear(traffic.frames.at(-1)?.frame.time ?? -Infinity)} />
+        <IconButton icon={Eraser} look="plain" label={t("Clear frames")} onClick={() => clear(traffic.frames.at(-1)?.frame.time ?? -Infinity)} />
       </div>
       {reason && <p className="reason">{reason}</p>}
-      <Frames frames={frames} caption="Frames" counted={counted} />
-      {!frames.length && <p className="empty">{filter || since > 0 ? "No frame matches." : "No frame has been seen yet."}</p>}
+      <Frames frames={frames} caption={t("Frames")} counted={counted} />
+      {!frames.length && <p className="empty">{filter || since > 0 ? t("No frame matches.") : t("No frame has been seen yet.")}</p>}
     </section>
   );
 }
@@ -240,17 +241,17 @@ function Signals({ bus }: { bus: string }) {
     });
   if (!all.length) return null;
   return (
-    <section aria-label="Signals">
-      <h2>Signals</h2>
-      {chosen.length > 0 && <Plot id={`signals ${bus}`} read={read} label="Signals over time" />}
-      <input type="search" aria-label="Find a signal" placeholder="Find a signal" value={filter} onChange={(e) => setFilter(e.target.value)} />
+    <section aria-label={t("Signals")}>
+      <h2>{t("Signals")}</h2>
+      {chosen.length > 0 && <Plot id={`signals ${bus}`} read={read} label={t("Signals over time")} />}
+      <input type="search" aria-label={t("Find a signal")} placeholder={t("Find a signal")} value={filter} onChange={(e) => setFilter(e.target.value)} />
       <div className="rows" tabIndex={0}>
-        <table aria-label="Values of signals">
+        <table aria-label={t("Values of signals")}>
           <thead>
             <tr>
-              <th scope="col">signal, plotted</th>
+              <th scope="col">{t("signal, plotted")}</th>
               <th scope="col">hex</th>
-              <th scope="col">value</th>
+              <th scope="col">{t("value")}</th>
             </tr>
           </thead>
           <tbody>
@@ -286,13 +287,13 @@ function Folded({ title, children }: { title: string; children: ReactNode }) {
 export function BusView({ system: { buses, components }, full }: { system: SystemState; full: boolean }) {
   const [name, open] = useState("");
   const bus = buses.find((each) => each.name === name) ?? buses[0];
-  if (!bus) return <p className="empty">No frame has been seen: components of this system use no CAN bus, or time has not passed yet.</p>;
+  if (!bus) return <p className="empty">{t("No frame has been seen: components of this system use no CAN bus, or time has not passed yet.")}</p>;
   const emergencies = store.traffic.emergencies.filter((each) => each.bus === bus.name).map((frame): Seen => ({ frame, changed: [], period: NaN, count: 1 }));
   return (
     <div className="bus">
       <div className="toolbar">
         <label>
-          Bus
+          {t("Bus")}
           <select value={bus.name} onChange={(e) => open(e.target.value)}>
             {buses.map((each) => (
               <option key={each.name} value={each.name}>{each.name}</option>
@@ -302,16 +303,16 @@ export function BusView({ system: { buses, components }, full }: { system: Syste
         <Load bus={bus} />
       </div>
       <Traffic key={`frames ${bus.name}`} bus={bus.name} />
-      <section aria-label="Emergencies">
-        <h2>Emergencies</h2>
-        {emergencies.length ? <Frames frames={emergencies.reverse()} caption="Emergencies" /> : <p>none</p>}
+      <section aria-label={t("Emergencies")}>
+        <h2>{t("Emergencies")}</h2>
+        {emergencies.length ? <Frames frames={emergencies.reverse()} caption={t("Emergencies")} /> : <p>{t("none")}</p>}
       </section>
       <Nodes bus={bus} lines={linesOf(components, buses)} full={full} />
       <Signals key={`signals ${bus.name}`} bus={bus.name} />
       <Span />
       <LoadPlot bus={bus} />
       <Objects key={`objects ${bus.name}`} bus={bus} full={full} />
-      <Folded title="Send frames">
+      <Folded title={t("Send frames")}>
         <Send key={`send ${bus.name}`} bus={bus.name} full={full} />
       </Folded>
     </div>

@@ -6,6 +6,7 @@ import { Inspecting } from "./Inspector.tsx";
 import type { Line } from "./lines.ts";
 import type { Point } from "./layout.ts";
 import { NODE } from "./layout.ts";
+import { t } from "./texts.ts";
 
 /** Start of a component's line, relative to the upper left of the bus. */
 export interface Drop extends Point {
@@ -30,7 +31,7 @@ const COLOURS = new Map([
 export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
   const inspect = useContext(Inspecting);
   return (
-    <section className="bus-line" aria-label={`Bus ${line.name}`} style={{ width }}>
+    <section className="bus-line" aria-label={t("Bus {name}", { name: line.name })} style={{ width }}>
       <svg aria-hidden width={width} height={NODE.height} overflow="visible">
         {nodes.map(({ x, proxies, devices }) =>
           [...proxies, ...devices].map((each, i) => (
@@ -52,14 +53,14 @@ export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
           type="button"
           className={`bus-node nodrag nopan state ${COLOURS.get(node.nmtState) ?? "STATE_CREATED"}`}
           style={{ left: nodes[i]!.x - NODE.width / 2, width: NODE.width, height: NODE.height }}
-          aria-label={`${node.id} ${node.name} ${node.nmtState || "unknown"}, node of ${line.name}`}
-          title={[`${node.id} ${node.name}`, node.nmtState, ...node.proxies.map((each) => `proxy ${each}`), ...node.devices.map((each) => `device ${each}`)].filter(Boolean).join("\n")}
+          aria-label={t("{id} {name} {state}, node of {bus}", { id: node.id, name: node.name, state: node.nmtState || t("unknown"), bus: line.name })}
+          title={[`${node.id} ${node.name}`, node.nmtState, ...node.proxies.map((each) => t("proxy {each}", { each })), ...node.devices.map((each) => t("device {each}", { each }))].filter(Boolean).join("\n")}
           onClick={() => inspect({ kind: "node", bus: line.name, id: node.id })}
         >
           <strong>
             {node.id} <bdi>{node.name}</bdi>
           </strong>{" "}
-          <small>{node.nmtState || "unknown"}</small>
+          <small>{node.nmtState || t("unknown")}</small>
         </button>
       ))}
     </section>

@@ -1,6 +1,7 @@
 /** What a command changes in files, line by line. */
 
 import type { FileChange } from "./protocol/Ui.ts";
+import { t } from "./texts.ts";
 
 /** Changes of more files are folded. */
 const MOST_OPEN = 20;
@@ -10,7 +11,7 @@ export function Changes({ changes }: { changes: readonly FileChange[] }) {
     <details key={each.file} open={changes.length <= MOST_OPEN}>
       <summary>
         {each.file}
-        {each.moved_to && ` becomes ${each.moved_to}`}
+        {each.moved_to && ` ${t("becomes {file}", { file: each.moved_to })}`}
       </summary>
       <pre>
         {each.lines.split("\n").map((line, i) => (

@@ -3,8 +3,9 @@
 import { Command } from "cmdk";
 import type { Command as Order, Component, SystemState } from "./protocol/Ui.ts";
 import { stateOf, store } from "./store.ts";
+import { languages, t } from "./texts.ts";
 import type { View } from "./views.ts";
-import { PRESETS, VIEWS } from "./views.ts";
+import { LAYOUTS, PRESETS, VIEWS, titleOf } from "./views.ts";
 
 /** How well a name has all words of a search: best at its beginning, then at that of its words; 0: not. */
 function rank(name: string, search: string): number {
@@ -46,45 +47,46 @@ export function Commands({ system, full, component, close, select, open, arrange
   );
   const order = (name: string, asked: Order, keys = "", more = "") => item(name, () => void store.order(asked), keys, more);
   return (
-    <Command.Dialog open onOpenChange={(shown) => shown || close()} label="Find a command" overlayClassName="veil" contentClassName="dialog commands" filter={rank} loop>
-      <Command.Input placeholder="Command, component, view, system" />
+    <Command.Dialog open onOpenChange={(shown) => shown || close()} label={t("Find a command")} overlayClassName="veil" contentClassName="dialog commands" filter={rank} loop>
+      <Command.Input placeholder={t("Command, component, view, system")} />
       <Command.List>
-        <Command.Empty>Nothing has this name.</Command.Empty>
+        <Command.Empty>{t("Nothing has this name.")}</Command.Empty>
         {full && (
-          <Command.Group heading="Run">
-            {simulated && order(time.playing ? "Pause" : "Play", time.playing ? { case: "paused", value: true } : { case: "played", value: true }, "Space")}
-            {simulated && !time.playing && order("Step", { case: "step", value: 0 }, ".")}
-            {simulated && order("Go to the beginning", { case: "time", value: 0 })}
-            {order("Activate all", { case: "activated", value: [] })}
-            {order("Deactivate all", { case: "deactivated", value: [] })}
-            {order("Reset all", { case: "restored", value: [] })}
-            {edits.undo && order("Undo", { case: "undone", value: true }, "Ctrl Z", edits.undo)}
-            {edits.redo && order("Redo", { case: "redone", value: true }, "Ctrl Y", edits.redo)}
+          <Command.Group heading={t("Run")}>
+            {simulated && order(time.playing ? t("Pause") : t("Play"), time.playing ? { case: "paused", value: true } : { case: "played", value: true }, "Space")}
+            {simulated && !time.playing && order(t("Step"), { case: "step", value: 0 }, ".")}
+            {simulated && order(t("Go to the beginning"), { case: "time", value: 0 })}
+            {order(t("Activate all"), { case: "activated", value: [] })}
+            {order(t("Deactivate all"), { case: "deactivated", value: [] })}
+            {order(t("Reset all"), { case: "restored", value: [] })}
+            {edits.undo && order(t("Undo"), { case: "undone", value: true }, "Ctrl Z", edits.undo)}
+            {edits.redo && order(t("Redo"), { case: "redone", value: true }, "Ctrl Y", edits.redo)}
           </Command.Group>
         )}
         {component && full && (
           <Command.Group heading={component.instance}>
-            {order(`Activate ${component.instance}`, { case: "activated", value: [component.instance] })}
-            {order(`Deactivate ${component.instance}`, { case: "deactivated", value: [component.instance] })}
-            {order(`Reset ${component.instance}`, { case: "restored", value: [component.instance] })}
-            {!component.place && item(`Rename ${component.instance}`, () => rename(component.instance), "F2")}
+            {order(t("Activate {instance}", { instance: component.instance }), { case: "activated", value: [component.instance] })}
+            {order(t("Deactivate {instance}", { instance: component.instance }), { case: "deactivated", value: [component.instance] })}
+            {order(t("Reset {instance}", { instance: component.instance }), { case: "restored", value: [component.instance] })}
+            {!component.place && item(t("Rename {instance}", { instance: component.instance }), () => rename(component.instance), "F2")}
           </Command.Group>
         )}
-        <Command.Group heading="Components">
-          {component && item("Overview", () => select(""))}
-          {system.components.map((each) => item(`Select ${each.instance}`, () => select(each.instance), "", `${each.type}, ${stateOf(each)}`))}
+        <Command.Group heading={t("Components")}>
+          {component && item(t("Overview"), () => select(""))}
+          {system.components.map((each) => item(t("Select {instance}", { instance: each.instance }), () => select(each.instance), "", `${each.type}, ${stateOf(each)}`))}
         </Command.Group>
-        <Command.Group heading="Views">
-          {VIEWS.map((view) => (view === "Palette" ? item("Palette of components", () => open(view)) : item(`View ${view}`, () => open(view))))}
-          {arrange && Object.keys(PRESETS).map((name) => item(`Layout ${name}`, () => arrange(name)))}
-          {item("Keys", help, "?")}
+        <Command.Group heading={t("Views")}>
+          {VIEWS.map((view) => (view === "Palette" ? item(t("Palette of components"), () => open(view)) : item(t("View {view}", { view: titleOf(view) }), () => open(view))))}
+          {arrange && Object.keys(PRESETS).map((name) => item(t("Layout {name}", { name: LAYOUTS[name] ?? name }), () => arrange(name)))}
+          {item(t("Keys"), help, "?")}
+          {languages().map(({ name, act }) => item(name, act))}
         </Command.Group>
         {full && system.systems.length > 1 && edits.saved && (
-          <Command.Group heading="Systems">{system.systems.map((file) => order(`Open ${file}`, { case: "system", value: file }))}</Command.Group>
+          <Command.Group heading={t("Systems")}>{system.systems.map((file) => order(t("Open {file}", { file }), { case: "system", value: file }))}</Command.Group>
         )}
         {full && (
-          <Command.Group heading="Add">
-            {system.palette.map(({ type, category }) => order(`Add ${type}`, { case: "added", value: { type, instance: "", placed: false, where: { x: 0, y: 0 } } }, "", category))}
+          <Command.Group heading={t("Add")}>
+            {system.palette.map(({ type, category }) => order(t("Add {type}", { type }), { case: "added", value: { type, instance: "", placed: false, where: { x: 0, y: 0 } } }, "", category))}
           </Command.Group>
         )}
       </Command.List>

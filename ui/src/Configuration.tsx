@@ -3,6 +3,7 @@
 import { useState } from "react";
 import type { Component, Parameter } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 /** The limits of a constraint `a<=x<=b`, and the choices of `(a,b)`. */
 export function limits(constraint: string): { min?: number; max?: number; choices?: string[] } {
@@ -92,17 +93,17 @@ function OrderedList({ parameter, text, full, label, set, choices }: Slot & { ch
         {chosen.map((each, i) => (
           <li key={i}>
             <bdi>{each}</bdi>{" "}
-            <button type="button" aria-label={`Move ${each} up`} disabled={i === 0} onClick={() => void set(swapped(i).join())}>
+            <button type="button" aria-label={t("Move {item} up", { item: each })} disabled={i === 0} onClick={() => void set(swapped(i).join())}>
               ↑
             </button>
-            <button type="button" aria-label={`Remove ${each}, number ${i + 1}`} onClick={() => void set(chosen.filter((_, at) => at !== i).join())}>
+            <button type="button" aria-label={t("Remove {item}, number {number}", { item: each, number: i + 1 })} onClick={() => void set(chosen.filter((_, at) => at !== i).join())}>
               −
             </button>
           </li>
         ))}
       </ol>
-      <select aria-label={`Add to ${label}`} value="" onChange={(e) => void set([...chosen, e.target.value].join())}>
-        <option value="">add …</option>
+      <select aria-label={t("Add to {label}", { label })} value="" onChange={(e) => void set([...chosen, e.target.value].join())}>
+        <option value="">{t("add …")}</option>
         {choices.map((each) => (
           <option key={each} value={each}>{each}</option>
         ))}
@@ -135,7 +136,7 @@ export function Configuration({ component, full }: { component: Component; full:
   const name = component.configuration_sets.some((each) => each.name === shown) ? shown : component.active_set;
   const set = component.configuration_sets.find((each) => each.name === name);
   const [first] = component.parameters;
-  if (!first) return <p>This component has no parameters.</p>;
+  if (!first) return <p>{t("This component has no parameters.")}</p>;
   const valueOf = (parameter: Parameter) => set?.values.find((each) => each.name === parameter.name)?.text ?? parameter.default_value;
   const put = (set: string, parameter: Parameter, text: string) =>
     store.order({ case: "setting", value: { instance: component.instance, set, parameter: parameter.name, text } });
@@ -152,12 +153,12 @@ export function Configuration({ component, full }: { component: Component; full:
         }}
       >
         <label>
-          Set
+          {t("Set")}
           <select value={name} onChange={(e) => show(e.target.value)}>
             {component.configuration_sets.map((each) => (
               <option key={each.name} value={each.name}>
                 <bdi>{each.name}</bdi>
-                {each.name === component.active_set ? " (active)" : ""}
+                {each.name === component.active_set ? t(" (active)") : ""}
               </option>
             ))}
           </select>
@@ -167,11 +168,11 @@ export function Configuration({ component, full }: { component: Component; full:
           disabled={!full || name === component.active_set}
           onClick={() => store.order({ case: "chosen", value: { instance: component.instance, set: name } })}
         >
-          Use this set
+          {t("Use this set")}
         </button>
-        <input aria-label="Name of a new set" placeholder="new set" size={8} disabled={!full} value={fresh} onChange={(e) => setFresh(e.target.value)} />
+        <input aria-label={t("Name of a new set")} placeholder={t("new set")} size={8} disabled={!full} value={fresh} onChange={(e) => setFresh(e.target.value)} />
         <button type="submit" disabled={!full || !fresh.trim()}>
-          Add set
+          {t("Add set")}
         </button>
       </form>
       <table className="parameters">

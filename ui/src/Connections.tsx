@@ -5,9 +5,10 @@ import type { Component, Fit, PortAddress, SystemState } from "./protocol/Ui.ts"
 import type { Misfit } from "./Purpose.tsx";
 import { Purpose } from "./Purpose.tsx";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 const named = ({ instance, port }: PortAddress): string => `${instance}.${port}`;
-const KINDS = { PORT_IN: "in", PORT_OUT: "out", PORT_SERVICE: "service" } as const;
+const KINDS = { PORT_IN: t("in"), PORT_OUT: t("out"), PORT_SERVICE: t("service") } as const;
 
 /** The first line of a reason; the rest (types side by side) is shown on demand. */
 function Refusal({ name, reason }: { name: string; reason: string }) {
@@ -56,9 +57,9 @@ export function Connections({ system, component, full, chosen, choose }: { syste
   return (
     <>
       <label>
-        Port
-        <select aria-label="Chosen port" value={port?.name ?? ""} onChange={(e) => choose(e.target.value)}>
-          <option value="">none</option>
+        {t("Port")}
+        <select aria-label={t("Chosen port")} value={port?.name ?? ""} onChange={(e) => choose(e.target.value)}>
+          <option value="">{t("none")}</option>
           {component.ports.map((each) => (
             <option key={each.name} value={each.name}>
               <bdi>{each.name}</bdi> ({KINDS[each.kind]})
@@ -66,45 +67,45 @@ export function Connections({ system, component, full, chosen, choose }: { syste
           ))}
         </select>
       </label>
-      {!port && <p>Choose a port.</p>}
+      {!port && <p>{t("Choose a port.")}</p>}
       {port && (
         <>
-          <h2>Connected</h2>
-          {!own.length && <p>Not connected.</p>}
-          <ul className="ends" aria-label={`Connections of ${named(here)}`}>
+          <h2>{t("Connected")}</h2>
+          {!own.length && <p>{t("Not connected.")}</p>}
+          <ul className="ends" aria-label={t("Connections of {here}", { here: named(here) })}>
             {own.map((each) => {
               const there = named(each.source) === named(here) ? each.target : each.source;
               return (
                 <li key={each.name}>
                   <bdi>{named(there)}</bdi>
-                  <button type="button" disabled={!full} aria-label={`Cut ${named(here)} from ${named(there)}`} onClick={() => store.order({ case: "connection", value: each.name })}>
-                    Cut
+                  <button type="button" disabled={!full} aria-label={t("Cut {here} from {there}", { here: named(here), there: named(there) })} onClick={() => store.order({ case: "connection", value: each.name })}>
+                    {t("Cut")}
                   </button>
                 </li>
               );
             })}
           </ul>
-          <h2>Fits</h2>
-          {fits && !offered.length && <p>No other port fits.</p>}
-          <ul className="ends" aria-label={`Ports that fit ${named(here)}`}>
+          <h2>{t("Fits")}</h2>
+          {fits && !offered.length && <p>{t("No other port fits.")}</p>}
+          <ul className="ends" aria-label={t("Ports that fit {here}", { here: named(here) })}>
             {offered.map(({ port: there }) => (
               <li key={named(there)}>
                 <bdi>{named(there)}</bdi>
-                <button type="button" disabled={!full} aria-label={`Connect ${named(here)} with ${named(there)}`} onClick={() => connect(there)}>
-                  Connect
+                <button type="button" disabled={!full} aria-label={t("Connect {here} with {there}", { here: named(here), there: named(there) })} onClick={() => connect(there)}>
+                  {t("Connect")}
                 </button>
               </li>
             ))}
           </ul>
           <details>
-            <summary>{refused.length} ports do not fit</summary>
-            <ul className="refusals" aria-label={`Ports that do not fit ${named(here)}`}>
+            <summary>{t("{count} ports do not fit", { count: refused.length })}</summary>
+            <ul className="refusals" aria-label={t("Ports that do not fit {here}", { here: named(here) })}>
               {refused.map((each) => (
                 <li key={named(each.port)}>
                   <Refusal name={named(each.port)} reason={each.refused} />
                   {each.allow && (
-                    <button type="button" disabled={!full} aria-label={`Connect ${named(here)} with ${named(each.port)} on purpose`} onClick={() => ask({ here, fit: each })}>
-                      Connect on purpose
+                    <button type="button" disabled={!full} aria-label={t("Connect {here} with {port} on purpose", { here: named(here), port: named(each.port) })} onClick={() => ask({ here, fit: each })}>
+                      {t("Connect on purpose")}
                     </button>
                   )}
                 </li>

@@ -4,6 +4,7 @@ import { useEffect, useMemo, useRef, useState } from "react";
 import { MapView } from "./MapView.tsx";
 import type { PortAddress, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 import type { Command, Velocity } from "./velocity.ts";
 import { REST, command } from "./velocity.ts";
 
@@ -153,7 +154,7 @@ function Pad({ target, speed, rate }: { target: Target; speed: number; rate: num
         className="stick"
         role="application"
         tabIndex={0}
-        aria-label={`Joystick of ${target.name}`}
+        aria-label={t("Joystick of {name}", { name: target.name })}
         aria-describedby="stick-help"
         onPointerDown={(e) => {
           e.currentTarget.setPointerCapture(e.pointerId);
@@ -180,9 +181,9 @@ function Pad({ target, speed, rate }: { target: Target; speed: number; rate: num
       >
         <span className="knob" style={{ transform: `translate(${-(held.turn || held.left) * RADIUS}px, ${-held.forward * RADIUS}px)` }} />
       </div>
-      <output aria-label="Command">
-        {(held.forward * speed).toFixed(2)} m/s forward
-        {target.command.sideways && `, ${(held.left * speed).toFixed(2)} m/s left`}, {(held.turn * rate).toFixed(2)} rad/s
+      <output aria-label={t("Command")}>
+        {t("{speed} m/s forward", { speed: (held.forward * speed).toFixed(2) })}
+        {target.command.sideways && t(", {speed} m/s left", { speed: (held.left * speed).toFixed(2) })}, {(held.turn * rate).toFixed(2)} rad/s
       </output>
     </>
   );
@@ -216,9 +217,9 @@ export function Drive({ system, full, map }: { system: SystemState; full: boolea
   return (
     <>
       <label>
-        Port
-        <select aria-label="Driven port" value={target?.name ?? ""} disabled={!full} onChange={(e) => choose(e.target.value)}>
-          <option value="">none</option>
+        {t("Port")}
+        <select aria-label={t("Driven port")} value={target?.name ?? ""} disabled={!full} onChange={(e) => choose(e.target.value)}>
+          <option value="">{t("none")}</option>
           {known.map((each) => (
             <option key={each.name} value={each.name}>{each.name}</option>
           ))}
@@ -229,16 +230,15 @@ export function Drive({ system, full, map }: { system: SystemState; full: boolea
         <Limit label="rad/s" value={rate} set={setRate} />
       </div>
       {!full ? (
-        <p>This page may only look.</p>
+        <p>{t("This page may only look.")}</p>
       ) : target ? (
         <Pad key={target.name} target={target} speed={speed} rate={rate} />
       ) : (
-        <p>{known.length ? "Choose the port that gets the commands." : "No port takes travel commands."}</p>
+        <p>{known.length ? t("Choose the port that gets the commands.") : t("No port takes travel commands.")}</p>
       )}
       <p>
         <small id="stick-help">
-          Pull the stick, or focus it and hold arrow keys or W A S D, Q E (Shift and the mouse) sideways; Space stops. A gamepad drives while
-          this view is open.
+          {t("Pull the stick, or focus it and hold arrow keys or W A S D, Q E (Shift and the mouse) sideways; Space stops. A gamepad drives while this view is open.")}
         </small>
       </p>
       {map && <MapView system={system} />}

@@ -4,6 +4,7 @@ import type { Chosen, Draft } from "./draft.ts";
 import { draft, range } from "./draft.ts";
 import type { TypeMember } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 interface Slot {
   type: number;
@@ -45,7 +46,7 @@ export function Form(slot: Slot) {
       return (
         <div>
           <select
-            aria-label={`${label}, branch`}
+            aria-label={t("{label}, branch", { label })}
             value={chosen.branch}
             onChange={(e) => {
               const next = node.members.find((each) => each.name === e.target.value);
@@ -80,7 +81,7 @@ function Member({ member, value, label, change }: { member: TypeMember; value: D
     <div className="member">
       <span>{member.name}</span>
       {member.optional && (
-        <input type="checkbox" aria-label={`${path} is given`} checked={value !== null} onChange={(e) => change(e.target.checked ? draft(store.types, member.type) : null)} />
+        <input type="checkbox" aria-label={t("{path} is given", { path })} checked={value !== null} onChange={(e) => change(e.target.checked ? draft(store.types, member.type) : null)} />
       )}
       {!(member.optional && value === null) && <Form type={member.type} value={value} label={path} change={change} />}
     </div>
@@ -99,10 +100,10 @@ function Elements({ slot, type, keys, bound = 0, fresh }: { slot: Slot; type: nu
         const pair = part as [Draft, Draft];
         return (
           <div key={i} className="member">
-            {keys !== undefined && <Form type={keys} value={pair[0]} label={`${name}, key`} change={(key) => put(i, [key, pair[1]])} />}
+            {keys !== undefined && <Form type={keys} value={pair[0]} label={t("{name}, key", { name })} change={(key) => put(i, [key, pair[1]])} />}
             <Form type={type} value={keys === undefined ? part : pair[1]} label={name} change={(next) => put(i, keys === undefined ? next : [pair[0], next])} />
             {fresh && (
-              <button type="button" aria-label={`Remove ${name}`} onClick={() => change(parts.filter((_, at) => at !== i))}>
+              <button type="button" aria-label={t("Remove {name}", { name })} onClick={() => change(parts.filter((_, at) => at !== i))}>
                 −
               </button>
             )}
@@ -110,7 +111,7 @@ function Elements({ slot, type, keys, bound = 0, fresh }: { slot: Slot; type: nu
         );
       })}
       {fresh && (
-        <button type="button" aria-label={`Add to ${label}`} disabled={bound > 0 && parts.length >= bound} onClick={() => change([...parts, fresh()])}>
+        <button type="button" aria-label={t("Add to {label}", { label })} disabled={bound > 0 && parts.length >= bound} onClick={() => change([...parts, fresh()])}>
           +
         </button>
       )}

@@ -1,6 +1,6 @@
 /** The head of the page: what runs, its file and edits, all components at once, and the way to everything else. */
 
-import { CircleHelp, Command as CommandIcon, LayoutPanelLeft, Play, Plus, Redo2, RotateCcw, Square, Undo2 } from "lucide-react";
+import { CircleHelp, Command as CommandIcon, Languages as LanguagesIcon, LayoutPanelLeft, Play, Plus, Redo2, RotateCcw, Square, Undo2 } from "lucide-react";
 import { useEffect, useState } from "react";
 import { Button, IconButton } from "./kit/Button.tsx";
 import { Question } from "./kit/Dialog.tsx";
@@ -9,7 +9,8 @@ import type { Place } from "./Menu.tsx";
 import type { EditState, SystemState } from "./protocol/Ui.ts";
 import type { Page } from "./store.ts";
 import { store } from "./store.ts";
-import { PRESETS } from "./views.ts";
+import { LANGUAGES, language, languages, t } from "./texts.ts";
+import { LAYOUTS, PRESETS } from "./views.ts";
 
 /** The names of systems by their files, with the folder where a name alone is ambiguous. */
 function namesOf(files: readonly string[]): ReadonlyMap<string, string> {
@@ -17,6 +18,16 @@ function namesOf(files: readonly string[]): ReadonlyMap<string, string> {
   const isAmbiguous = (name: string) => parts.filter((each) => each[2] === name).length > 1;
   return new Map(parts.map(([file, folder, name]) => [file, folder && isAmbiguous(name!) ? `${name} (${folder})` : name!]));
 }
+
+/** What the page shows, in words. */
+const LINKS = {
+  connecting: t("connecting"),
+  live: t("live"),
+  lost: t("lost"),
+  refused: t("refused"),
+  recording: t("recording"),
+  past: t("looking back"),
+} as const;
 
 /** The code of a result that the user must decide about. */
 const QUESTION = "UIS0011";
@@ -43,7 +54,7 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
     store.notify(result.done ? "" : message);
     if (!result.done) return;
     edit((now) => (now === name ? undefined : now));
-    say([`Saved ${name.trim()}`, result.text].filter(Boolean).join("; "));
+    say([t("Saved {file}", { file: name.trim() }), result.text].filter(Boolean).join("; "));
   };
   return (
     <>
@@ -55,8 +66,8 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
         }}
       >
         <textarea
-          aria-label="File of the system"
-          placeholder="system.xml"
+          aria-label={t("File of the system")}
+          placeholder={t("system.xml")}
           rows={1}
           title={name}
           disabled={!full}
@@ -69,11 +80,11 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
           }}
         />
         <Button type="submit" look={enabled && !edits.saved ? "primary" : "quiet"} aria-disabled={!enabled}>
-          Save
+          {t("Save")}
         </Button>
-        <output>{said || (edits.saved ? "" : "unsaved edits")}</output>
+        <output>{said || (edits.saved ? "" : t("unsaved edits"))}</output>
       </form>
-      {question !== undefined && <Question text={question} name="Replace" yes={() => void save("replaced")} close={() => ask(undefined)} />}
+      {question !== undefined && <Question text={question} name={t("Replace")} yes={() => void save("replaced")} close={() => ask(undefined)} />}
     </>
   );
 }
@@ -86,8 +97,8 @@ function Systems({ system, full }: { system: SystemState; full: boolean }) {
   return (
     <>
       <label>
-        <span className="announced">System</span>
-        <select aria-label="System" title={edits.file} disabled={!full} value={edits.file} onChange={({ target: { value } }) => (edits.saved ? open(value) : want(value))}>
+        <span className="announced">{t("System")}</span>
+        <select aria-label={t("System")} title={edits.file} disabled={!full} value={edits.file} onChange={({ target: { value } }) => (edits.saved ? open(value) : want(value))}>
           {!system.systems.includes(edits.file) && <option value={edits.file}>{system.name}</option>}
           {[...namesOf(system.systems)].map(([file, name]) => (
             <option key={file} value={file}>
@@ -97,7 +108,7 @@ function Systems({ system, full }: { system: SystemState; full: boolean }) {
         </select>
       </label>
       {wanted !== undefined && (
-        <Question text={`The edits of ${edits.file} are not saved. Open ${wanted} without them?`} name="Discard edits" yes={() => open(wanted)} close={() => want(undefined)} />
+        <Question text={t("The edits of {file} are not saved. Open {wanted} without them?", { file: edits.file, wanted })} name={t("Discard edits")} yes={() => open(wanted)} close={() => want(undefined)} />
       )}
     </>
   );
@@ -131,15 +142,15 @@ export function Tools({ page: { system }, full, adding, add }: Shown) {
       <Save edits={system.edits} full={full} />
       {system.palette.length > 0 && (
         <Button icon={Plus} aria-pressed={adding} onClick={() => add(!adding)}>
-          Components
+          {t("Components")}
         </Button>
       )}
-      <div className="group" role="group" aria-label="All components">
-        <Button icon={Play} disabled={!full} aria-label="Activate all" title="Activate all components" onClick={() => store.order({ case: "activated", value: [] })}>
-          All
+      <div className="group" role="group" aria-label={t("All components")}>
+        <Button icon={Play} disabled={!full} aria-label={t("Activate all")} title={t("Activate all components")} onClick={() => store.order({ case: "activated", value: [] })}>
+          {t("All")}
         </Button>
-        <IconButton icon={Square} label="Deactivate all" disabled={!full} onClick={() => store.order({ case: "deactivated", value: [] })} />
-        <IconButton icon={RotateCcw} label="Reset all" disabled={!full} onClick={() => store.order({ case: "restored", value: [] })} />
+        <IconButton icon={Square} label={t("Deactivate all")} disabled={!full} onClick={() => store.order({ case: "deactivated", value: [] })} />
+        <IconButton icon={RotateCcw} label={t("Reset all")} disabled={!full} onClick={() => store.order({ case: "restored", value: [] })} />
       </div>
     </>
   );
@@ -155,12 +166,32 @@ function Layouts({ arrange }: { arrange: (name: string) => void }) {
         aria-haspopup="menu"
         onClick={(e) => {
           const box = e.currentTarget.getBoundingClientRect();
-          show({ label: "Layouts", x: box.left, y: box.bottom });
+          show({ label: t("Layouts"), x: box.left, y: box.bottom });
         }}
       >
-        Layout
+        {t("Layout")}
       </Button>
-      {menu && <Menu place={menu} items={Object.keys(PRESETS).map((name) => ({ name, act: () => arrange(name) }))} close={() => show(undefined)} />}
+      {menu && <Menu place={menu} items={Object.keys(PRESETS).map((name) => ({ name: LAYOUTS[name] ?? name, act: () => arrange(name) }))} close={() => show(undefined)} />}
+    </>
+  );
+}
+
+/** The languages of the page; the one that is chosen is remembered. */
+export function LanguageMenu() {
+  const [menu, show] = useState<Place>();
+  return (
+    <>
+      <IconButton
+        icon={LanguagesIcon}
+        look="plain"
+        label={t("Language: {name}", { name: LANGUAGES[language] })}
+        aria-haspopup="menu"
+        onClick={(e) => {
+          const box = e.currentTarget.getBoundingClientRect();
+          show({ label: t("Languages"), x: box.left, y: box.bottom });
+        }}
+      />
+      {menu && <Menu place={menu} items={languages()} close={() => show(undefined)} />}
     </>
   );
 }
@@ -170,7 +201,7 @@ export function Head(props: Shown & { isPhone: boolean; isWide: boolean; arrange
   const { system } = page;
   const past = system?.time.past ?? false;
   const { undo = "", redo = "" } = system?.edits ?? {};
-  const link = page.link === "live" && past ? (system?.time.kind === "CLOCK_RECORDING" ? "recording" : "looking back") : page.link;
+  const link = page.link === "live" && past ? (system?.time.kind === "CLOCK_RECORDING" ? "recording" : "past") : page.link;
   return (
     <header>
       <Mark />
@@ -181,20 +212,21 @@ export function Head(props: Shown & { isPhone: boolean; isWide: boolean; arrange
       {system && (
         <>
           {!isPhone && <Tools {...props} />}
-          <div className="toolbar" role="group" aria-label="Edits">
-            <IconButton icon={Undo2} label="Undo" tip={undo ? `Undo: ${undo}` : "Undo"} keys="Ctrl Z" disabled={!full || undo === ""} onClick={() => store.order({ case: "undone", value: true })} />
-            <IconButton icon={Redo2} label="Redo" tip={redo ? `Redo: ${redo}` : "Redo"} keys="Ctrl Y" disabled={!full || redo === ""} onClick={() => store.order({ case: "redone", value: true })} />
+          <div className="toolbar" role="group" aria-label={t("Edits")}>
+            <IconButton icon={Undo2} label={t("Undo")} tip={undo ? t("Undo: {undo}", { undo }) : t("Undo")} keys="Ctrl Z" disabled={!full || undo === ""} onClick={() => store.order({ case: "undone", value: true })} />
+            <IconButton icon={Redo2} label={t("Redo")} tip={redo ? t("Redo: {redo}", { redo }) : t("Redo")} keys="Ctrl Y" disabled={!full || redo === ""} onClick={() => store.order({ case: "redone", value: true })} />
           </div>
           {isWide && <Layouts arrange={arrange} />}
         </>
       )}
       <span className={`link ${page.link}`} role="status">
-        {link}
-        {page.link === "live" && !page.full && ", read only"}
+        {LINKS[link]}
+        {page.link === "live" && !page.full && t(", read only")}
       </span>
       <div className="toolbar">
-        <IconButton icon={CommandIcon} look="plain" label="Commands" keys="Ctrl K" onClick={() => ask("commands")} />
-        {!isPhone && <IconButton icon={CircleHelp} look="plain" label="Keys" keys="?" onClick={() => ask("keys")} />}
+        <IconButton icon={CommandIcon} look="plain" label={t("Commands")} keys="Ctrl K" onClick={() => ask("commands")} />
+        {!isPhone && <LanguageMenu />}
+        {!isPhone && <IconButton icon={CircleHelp} look="plain" label={t("Keys")} keys="?" onClick={() => ask("keys")} />}
       </div>
     </header>
   );

@@ -10,6 +10,7 @@ import { Dialog } from "./kit/Dialog.tsx";
 import { linesOf } from "./lines.ts";
 import type { Connection, FileChange, Parameter, Port, PortAddress, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 import type { View } from "./views.ts";
 
 export type Subject = { kind: "wire"; name: string } | ({ kind: "port" } & PortAddress) | { kind: "node"; bus: string; id: number };
@@ -24,30 +25,34 @@ export function exists(system: SystemState, subject: Subject): boolean {
   return linesOf(system.components, system.buses).some((line) => line.name === subject.bus && line.nodes.some((node) => node.id === subject.id));
 }
 
+/** The ends of a connection in words. */
+export const joined = ({ source, target }: Pick<Connection, "source" | "target">): string =>
+  t("{source} to {target}", { source: `${source.instance}.${source.port}`, target: `${target.instance}.${target.port}` });
+
 /** A subject in words. */
 export function named(system: SystemState, subject: Subject): string {
   if (subject.kind === "port") return `${subject.instance}.${subject.port}`;
-  if (subject.kind === "node") return `node ${subject.id} of ${subject.bus}`;
+  if (subject.kind === "node") return t("node {id} of {bus}", { id: subject.id, bus: subject.bus });
   const found = system.connections.find((each) => each.name === subject.name);
-  return found ? `${found.source.instance}.${found.source.port} to ${found.target.instance}.${found.target.port}` : "";
+  return found ? joined(found) : "";
 }
 
 const portAt = (system: SystemState, { instance, port }: PortAddress): Port | undefined => system.components.find((each) => each.instance === instance)?.ports.find((each) => each.name === port);
 
 /** The names of properties as RT System Editor has them. */
 const NAMES: Readonly<Record<string, string>> = {
-  "dataport.dataflow_type": "dataflow type",
-  "dataport.subscription_type": "subscription type",
-  "dataport.publisher.push_policy": "push policy",
-  "dataport.publisher.skip_count": "skip count",
-  "dataport.publisher.push_rate": "push rate",
-  "dataport.interface_type": "interface type",
-  "dataport.data_type": "data type",
-  length: "length",
-  "write.full_policy": "full policy",
-  "write.timeout": "write timeout",
-  "read.empty_policy": "empty policy",
-  "read.timeout": "read timeout",
+  "dataport.dataflow_type": t("dataflow type"),
+  "dataport.subscription_type": t("subscription type"),
+  "dataport.publisher.push_policy": t("push policy"),
+  "dataport.publisher.skip_count": t("skip count"),
+  "dataport.publisher.push_rate": t("push rate"),
+  "dataport.interface_type": t("interface type"),
+  "dataport.data_type": t("data type"),
+  length: t("length"),
+  "write.full_policy": t("full policy"),
+  "write.timeout": t("write timeout"),
+  "read.empty_policy": t("empty policy"),
+  "read.timeout": t("read timeout"),
 };
 const BUFFER = /^dataport\.(inport|outport)\.buffer\./;
 
@@ -66,7 +71,7 @@ function Card({ title, close, children }: { title: string; close: () => void; ch
     <section className="card inspector" aria-label={title}>
       <div className="title">
         <h2>{title}</h2>
-        <Button look="plain" className="icon" aria-label={`Close the ${title.toLowerCase()}`} onClick={close}>
+        <Button look="plain" className="icon" aria-label={t("Close the {title}", { title: title.toLowerCase() })} onClick={close}>
           <X size={16} aria-hidden />
         </Button>
       </div>
@@ -97,8 +102,8 @@ function Rate({ connection }: { connection: Connection }) {
   if (!flow) return null;
   return (
     <>
-      {flow.rate >= 0 ? `${flow.rate.toFixed(1)} samples/s` : "not counted yet"}
-      {flow.lost > 0n && <span className="late">{`, ${flow.lost} lost`}</span>}
+      {flow.rate >= 0 ? t("{rate} samples/s", { rate: flow.rate.toFixed(1) }) : t("not counted yet")}
+      {flow.lost > 0n && <span className="late">{t(", {count} lost", { count: flow.lost })}</span>}
     </>
   );
 }
@@ -106,13 +111,13 @@ function Rate({ connection }: { connection: Connection }) {
 /** A property of a connection, empty where the default applies. */
 function Property({ parameter, text, implied, full, set }: { parameter: Parameter; text: string; implied: string; full: boolean; set: (text: string) => void }) {
   const name = NAMES[parameter.name.replace(BUFFER, "")] ?? parameter.name;
-  const label = parameter.name.replace(/^dataport\.(inport|outport)\.buffer.*/, "$1 ") === parameter.name ? name : `${BUFFER.exec(parameter.name)![1]} ${name}`;
+  const label = parameter.name.replace(/^dataport\.(inport|outport)\.buffer.*/, "$1 ") === parameter.name ? name : BUFFER.exec(parameter.name)![1] === "inport" ? t("inport {name}", { name }) : t("outport {name}", { name });
   const { choices, min } = limits(parameter.constraint);
   return (
     <Row name={name}>
       {choices ? (
         <select aria-label={label} value={text} disabled={!full} onChange={(e) => set(e.target.value)}>
-          <option value="">{`${implied} (default)`}</option>
+          <option value="">{t("{implied} (default)", { implied })}</option>
           {[...new Set([...choices, ...(text ? [text] : [])])].map((each) => (
             <option key={each} value={each}>
               {each}
@@ -124,7 +129,7 @@ function Property({ parameter, text, implied, full, set }: { parameter: Paramete
           aria-label={label}
           value={text}
           disabled={!full}
-          placeholder={implied && `${implied} (default)`}
+          placeholder={implied && t("{implied} (default)", { implied })}
           {...(parameter.type === "double" && { inputMode: "decimal" as const, pattern: min === 0 || min === 1 ? "\\d*\\.?\\d+" : undefined })}
           onChange={(e) => set(e.target.value)}
         />
@@ -199,10 +204,10 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
     </Row>
   );
   return (
-    <Card title="Connection" close={() => inspect(undefined)}>
+    <Card title={t("Connection")} close={() => inspect(undefined)}>
       {flow && flow.lost > 0n && (
         <p className="late">
-          {String(flow.lost)} samples lost: {flow.details}
+          {t("{count} samples lost: {details}", { count: flow.lost, details: flow.details })}
         </p>
       )}
       {said && (
@@ -218,11 +223,11 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
       >
         <table>
           <tbody>
-            {end("from", source, from?.unit)}
-            {end("to", target, to?.unit)}
-            {from?.type && <Row name="type">{from.type}</Row>}
+            {end(t("from"), source, from?.unit)}
+            {end(t("to"), target, to?.unit)}
+            {from?.type && <Row name={t("type")}>{from.type}</Row>}
             {flow && (
-              <Row name="rate">
+              <Row name={t("rate")}>
                 <Rate connection={connection} />
               </Row>
             )}
@@ -232,7 +237,7 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
         {!isService &&
           (["outport", "inport"] as const).map((side) => (
             <details key={side}>
-              <summary>{side === "inport" ? "Buffer of the InPort" : "Buffer of the OutPort"}</summary>
+              <summary>{side === "inport" ? t("Buffer of the InPort") : t("Buffer of the OutPort")}</summary>
               <table>
                 <tbody>{rows((each) => each.startsWith(`dataport.${side}.buffer.`))}</tbody>
               </table>
@@ -240,7 +245,7 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
           ))}
         {properties.some((each) => each.text && !isKnown(each.name)) && (
           <details>
-            <summary>Other properties</summary>
+            <summary>{t("Other properties")}</summary>
             <table>
               <tbody>
                 {properties
@@ -262,10 +267,10 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
         <div className="buttons">
           {!isService && (
             <Button type="submit" look="primary" disabled={!full || !draft.size}>
-              Show what changes
+              {t("Show what changes")}
             </Button>
           )}
-          {draft.size > 0 && <Button onClick={() => edit(new Map())}>Discard</Button>}
+          {draft.size > 0 && <Button onClick={() => edit(new Map())}>{t("Discard")}</Button>}
           <Button
             icon={Scissors}
             look="danger"
@@ -275,21 +280,21 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
               void store.order({ case: "connection", value: name });
             }}
           >
-            Cut
+            {t("Cut")}
           </Button>
         </div>
       </form>
       {changes && (
-        <Dialog title="Properties of the connection" close={() => show(undefined)} className="rename">
+        <Dialog title={t("Properties of the connection")} close={() => show(undefined)} className="rename">
           {said && <p className="late judged">{said}</p>}
-          <section aria-label="What changes" className="changes" tabIndex={0}>
-            <p>{changes.length ? "The connection is made again with them at once; samples that wait in it are lost. Save writes the file, Undo takes it back." : "The file does not have this connection: only the run changes."}</p>
+          <section aria-label={t("What changes")} className="changes" tabIndex={0}>
+            <p>{changes.length ? t("The connection is made again with them at once; samples that wait in it are lost. Save writes the file, Undo takes it back.") : t("The file does not have this connection: only the run changes.")}</p>
             <Changes changes={changes} />
           </section>
           <div className="answers">
-            <Button onClick={() => show(undefined)}>Cancel</Button>
+            <Button onClick={() => show(undefined)}>{t("Cancel")}</Button>
             <Button look="primary" onClick={() => void submit(true)}>
-              Apply
+              {t("Apply")}
             </Button>
           </div>
         </Dialog>
@@ -303,25 +308,25 @@ function PortCard({ system, address, full, select, inspect, open, choosePort }: 
   const isHere = ({ instance, port: name }: PortAddress) => instance === address.instance && name === address.port;
   const own = system.connections.filter(({ source, target }) => isHere(source) || isHere(target));
   return (
-    <Card title="Port" close={() => inspect(undefined)}>
+    <Card title={t("Port")} close={() => inspect(undefined)}>
       <table>
         <tbody>
-          <Row name="port">
+          <Row name={t("port")}>
             <Instance instance={address.instance} select={select} />.<bdi>{address.port}</bdi>
           </Row>
-          <Row name="kind">{{ PORT_IN: "InPort", PORT_OUT: "OutPort", PORT_SERVICE: "service port" }[port.kind]}</Row>
-          {port.type && <Row name="type">{port.type}</Row>}
+          <Row name={t("kind")}>{{ PORT_IN: "InPort", PORT_OUT: "OutPort", PORT_SERVICE: t("service port") }[port.kind]}</Row>
+          {port.type && <Row name={t("type")}>{port.type}</Row>}
           {port.interfaces.map((each) => (
-            <Row key={`${each.provided} ${each.name}`} name={each.provided ? "provides" : "uses"}>
+            <Row key={`${each.provided} ${each.name}`} name={each.provided ? t("provides") : t("uses")}>
               <bdi>{each.name}</bdi>: {each.type}
             </Row>
           ))}
-          {port.unit && <Row name="unit">{port.unit}</Row>}
+          {port.unit && <Row name={t("unit")}>{port.unit}</Row>}
           {port.units.length > 1 && port.units.map((each) => <Row key={each.name} name={each.name}>{each.text}</Row>)}
         </tbody>
       </table>
       {port.doc && <p>{port.doc}</p>}
-      <h3>{own.length ? "Connections" : "Not connected"}</h3>
+      <h3>{own.length ? t("Connections") : t("Not connected")}</h3>
       <ul className="plainlist">
         {own.map((each) => {
           const there = isHere(each.source) ? each.target : each.source;
@@ -347,7 +352,7 @@ function PortCard({ system, address, full, select, inspect, open, choosePort }: 
             open("Connections");
           }}
         >
-          Which ports fit
+          {t("Which ports fit")}
         </Button>
       </div>
     </Card>
@@ -369,29 +374,29 @@ function NodeCard({ system, bus, id, select, inspect, open }: Common & { bus: st
       </Row>
     );
   return (
-    <Card title="Node" close={() => inspect(undefined)}>
+    <Card title={t("Node")} close={() => inspect(undefined)}>
       <table>
         <tbody>
-          <Row name="node">
+          <Row name={t("node")}>
             {id} <bdi>{node.name}</bdi>
           </Row>
-          <Row name="bus">
+          <Row name={t("bus")}>
             <bdi>{bus}</bdi>
             {line.bitRate > 0 && ` ${line.bitRate / 1000} kbit/s`}
           </Row>
-          <Row name="NMT state">{node.nmtState || "unknown"}</Row>
-          {device && <Row name="device">{device}</Row>}
-          {list("proxies", node.proxies)}
-          {list("devices", node.devices)}
+          <Row name={t("NMT state")}>{node.nmtState || t("unknown")}</Row>
+          {device && <Row name={t("device")}>{device}</Row>}
+          {list(t("proxies"), node.proxies)}
+          {list(t("devices"), node.devices)}
           {last && (
-            <Row name="last frame">
+            <Row name={t("last frame")}>
               {last.time.toFixed(3)} s {last.kind} {last.text}
             </Row>
           )}
         </tbody>
       </table>
       <div className="buttons">
-        <Button onClick={() => open("Buses")}>Frames and objects</Button>
+        <Button onClick={() => open("Buses")}>{t("Frames and objects")}</Button>
       </div>
     </Card>
   );

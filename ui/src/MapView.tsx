@@ -12,6 +12,7 @@ import { IconButton } from "./kit/Button.tsx";
 import type { Channel, SystemState } from "./protocol/Ui.ts";
 import type { Track } from "./store.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 import { Trail, isAim } from "./trails.ts";
 
 const LEGEND_EVERY = 200;
@@ -27,7 +28,7 @@ interface Shown {
   aim: boolean;
 }
 
-const nameOf = ({ port, beside }: Channel): string => `${port.instance}.${port.port}${beside ? " (beside)" : ""}`;
+const nameOf = ({ port, beside }: Channel): string => beside ? t("{port} (beside)", { port: `${port.instance}.${port.port}` }) : `${port.instance}.${port.port}`;
 
 /** The pose of a scan: received or sent by its component, else by the components connected to its inputs. */
 function frameOf(system: SystemState, instance: string, poses: readonly Channel[], seen = new Set<string>()): Channel | undefined {
@@ -125,7 +126,7 @@ class Scene {
         label: channel.port.instance.split("/").at(-1)!,
         colour,
         kind: reader.kind !== "pose" ? reader.kind : isGoal ? ("goal" as const) : ("body" as const),
-        frame: frame ? nameOf(frame) : "the origin",
+        frame: frame ? nameOf(frame) : t("the origin"),
         pose: figure?.kind === "pose" ? figure.pose : undefined,
         trail: isGoal ? [] : (trail?.parts ?? []),
         path: figure?.kind === "path" ? figure.poses : [],
@@ -144,11 +145,11 @@ const place = ({ x, y, heading }: Pose): string => `x ${fixed(x, 3)} m, y ${fixe
 
 /** A layer in words. */
 function words({ kind, pose, path, points, frame, grid }: Layer): string {
-  if (grid) return `${grid.columns} × ${grid.rows} cells of ${metres(grid.width)}`;
-  if (points.length) return `${points.length} points around ${frame}`;
-  if (pose) return `${kind === "goal" ? "goal at " : ""}${place(pose)}`;
+  if (grid) return t("{columns} × {rows} cells of {width}", { columns: grid.columns, rows: grid.rows, width: metres(grid.width) });
+  if (points.length) return t("{count} points around {frame}", { count: points.length, frame });
+  if (pose) return kind === "goal" ? t("goal at {place}", { place: place(pose) }) : place(pose);
   const last = path.at(-1);
-  return last ? `${path.length} poses to ${place(last)}` : "no sample yet";
+  return last ? t("{count} poses to {place}", { count: path.length, place: place(last) }) : t("no sample yet");
 }
 
 const measuredWords = (measured: Measured): string => {
@@ -288,19 +289,19 @@ export function MapView({ system }: { system: SystemState }) {
   }, [all.length > 0]);
   const bodies = shown.filter((each) => each.reader.kind === "pose");
 
-  if (!all.length) return <p>No port has poses, paths, scans or grids.</p>;
+  if (!all.length) return <p>{t("No port has poses, paths, scans or grids.")}</p>;
   return (
-    <section className="map" aria-label="Map">
+    <section className="map" aria-label={t("Map")}>
       <div className="toolbar">
-        <IconButton icon={ZoomIn} look="plain" label="Zoom in" keys="+" onClick={() => zoom(ZOOM)} />
-        <IconButton icon={ZoomOut} look="plain" label="Zoom out" keys="-" onClick={() => zoom(1 / ZOOM)} />
-        <IconButton icon={Maximize2} look="plain" label="Fit" keys="0" aria-pressed={!free && !followed} onClick={fit} />
-        <IconButton icon={Ruler} look="plain" label="Measure" tip="Measure: drag, or Enter at both ends" aria-pressed={measuring} onClick={() => (measuring ? end() : measure(true))} />
-        <IconButton icon={Eraser} look="plain" label="Clear trails" onClick={() => scene.current.forget()} />
+        <IconButton icon={ZoomIn} look="plain" label={t("Zoom in")} keys="+" onClick={() => zoom(ZOOM)} />
+        <IconButton icon={ZoomOut} look="plain" label={t("Zoom out")} keys="-" onClick={() => zoom(1 / ZOOM)} />
+        <IconButton icon={Maximize2} look="plain" label={t("Fit")} keys="0" aria-pressed={!free && !followed} onClick={fit} />
+        <IconButton icon={Ruler} look="plain" label={t("Measure")} tip={t("Measure: drag, or Enter at both ends")} aria-pressed={measuring} onClick={() => (measuring ? end() : measure(true))} />
+        <IconButton icon={Eraser} look="plain" label={t("Clear trails")} onClick={() => scene.current.forget()} />
         <label>
-          Follow
+          {t("Follow")}
           <select value={bodies.some((each) => each.name === followed) ? followed : ""} onChange={(e) => follow(e.target.value)}>
-            <option value="">nothing</option>
+            <option value="">{t("nothing")}</option>
             {bodies.map(({ name }) => (
               <option key={name} value={name}>
                 {name}
@@ -314,7 +315,7 @@ export function MapView({ system }: { system: SystemState }) {
         role="img"
         tabIndex={0}
         className={measuring ? "measuring" : ""}
-        aria-label={`Map, scale bar ${legend.scale}; + and − zoom, arrow keys move, 0 fits${measuring ? ", Enter marks an end" : ""}`}
+        aria-label={t(measuring ? "Map, scale bar {scale}; + and − zoom, arrow keys move, 0 fits, Enter marks an end" : "Map, scale bar {scale}; + and − zoom, arrow keys move, 0 fits", { scale: legend.scale })}
         onKeyDown={(e) => {
           const act = keys[e.key];
           if (!act || e.ctrlKey || e.metaKey || e.altKey) return;
@@ -335,9 +336,9 @@ export function MapView({ system }: { system: SystemState }) {
       />
       <p className="at">
         <span>{pointed ? place(pointed) : ""}</span>
-        <output aria-label="Measured">{measured ? (ranging ? "from here to the middle" : measuredWords(measured)) : measuring ? "drag, or Enter at both ends" : ""}</output>
+        <output aria-label={t("Measured")}>{measured ? (ranging ? t("from here to the middle") : measuredWords(measured)) : measuring ? t("drag, or Enter at both ends") : ""}</output>
       </p>
-      <ul className="legend" aria-label="On the map">
+      <ul className="legend" aria-label={t("On the map")}>
         {all.map((each) => {
           const at = shown.indexOf(each);
           return (
@@ -357,7 +358,7 @@ export function MapView({ system }: { system: SystemState }) {
                 <span className="swatch" style={{ background: each.colour }} />
                 {each.name}
               </label>
-              <output aria-label={`${each.name} on the map`}>{at >= 0 ? legend.lines[at] : "hidden"}</output>
+              <output aria-label={t("{name} on the map", { name: each.name })}>{at >= 0 ? legend.lines[at] : t("hidden")}</output>
             </li>
           );
         })}

@@ -2,6 +2,7 @@
 
 import type { Binding, Component, SystemState } from "./protocol/Ui.ts";
 import { stateClass, stateOf, store } from "./store.ts";
+import { t } from "./texts.ts";
 
 interface Branch {
   binding: Binding;
@@ -54,7 +55,7 @@ function Names({ branches, ...shown }: Shown & { branches: readonly Branch[] }) 
 function Name({ binding, name, components, selected, select }: Shown & { binding: Binding; name: string }) {
   const component = components.get(binding.instance);
   const dead = binding.kind === "BINDING_DEAD";
-  const state = dead ? "does not answer" : component ? stateOf(component) : "";
+  const state = dead ? t("does not answer") : component ? stateOf(component) : "";
   const mark = state && <small className={dead ? "reason" : `state ${component ? stateClass(component) : ""}`}>{state}</small>;
   if (!component)
     return (
@@ -81,18 +82,18 @@ export function Naming(props: { system: SystemState; full: boolean; selected: st
   if (!system.naming.length) return null;
   const known = new Map(system.components.map((each) => [each.instance, each]));
   return (
-    <section className="naming" aria-label="Naming services">
-      <h2>Naming services</h2>
+    <section className="naming" aria-label={t("Naming services")}>
+      <h2>{t("Naming services")}</h2>
       {system.foreign.length > 0 && (
-        <button type="button" disabled={!full} title="Connections, parameters and active sets of other processes, as the file of the system has them" onClick={() => store.order({ case: "reset", value: true })}>
-          Restore from file
+        <button type="button" disabled={!full} title={t("Connections, parameters and active sets of other processes, as the file of the system has them")} onClick={() => store.order({ case: "reset", value: true })}>
+          {t("Restore from file")}
         </button>
       )}
       {system.naming.map((service) => (
         <details open key={service.address}>
           <summary>{service.address}</summary>
           {service.silent && <p className="reason">{service.silent}</p>}
-          {!service.silent && !service.bindings.length && <p>No names.</p>}
+          {!service.silent && !service.bindings.length && <p>{t("No names.")}</p>}
           <Names branches={tree(service.bindings)} components={known} selected={selected} select={select} />
         </details>
       ))}

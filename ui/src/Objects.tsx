@@ -5,6 +5,7 @@ import { useState } from "react";
 import { IconButton } from "./kit/Button.tsx";
 import type { Bus, ObjectEntry } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 import { hexadecimal } from "./traffic.ts";
 
 /** Entries shown at the same time while they are searched. */
@@ -14,26 +15,26 @@ const number = (entry: ObjectEntry): string => `${entry.index.toString(16).toUpp
 
 /** The areas of an object dictionary (CiA 301, 7.4.1). */
 const AREAS: readonly (readonly [last: number, name: string])[] = [
-  [0x0fff, "Data types"],
-  [0x1fff, "Communication"],
-  [0x5fff, "Manufacturer"],
-  [0x9fff, "Device profile"],
-  [0xffff, "Interface profile and others"],
+  [0x0fff, t("Data types")],
+  [0x1fff, t("Communication")],
+  [0x5fff, t("Manufacturer")],
+  [0x9fff, t("Device profile")],
+  [0xffff, t("Interface profile and others")],
 ];
 /** Names of objects with several entries (CiA 301, 7.5.2), by their last index. */
 const RECORDS: readonly (readonly [first: number, last: number, name: string])[] = [
-  [0x1003, 0x1003, "Error history"],
-  [0x1010, 0x1010, "Store parameters"],
-  [0x1011, 0x1011, "Restore parameters"],
-  [0x1016, 0x1016, "Consumer heartbeat times"],
-  [0x1018, 0x1018, "Identity"],
-  [0x1029, 0x1029, "Error behaviour"],
-  [0x1200, 0x127f, "SDO server"],
-  [0x1280, 0x12ff, "SDO client"],
-  [0x1400, 0x15ff, "RPDO communication"],
-  [0x1600, 0x17ff, "RPDO mapping"],
-  [0x1800, 0x19ff, "TPDO communication"],
-  [0x1a00, 0x1bff, "TPDO mapping"],
+  [0x1003, 0x1003, t("Error history")],
+  [0x1010, 0x1010, t("Store parameters")],
+  [0x1011, 0x1011, t("Restore parameters")],
+  [0x1016, 0x1016, t("Consumer heartbeat times")],
+  [0x1018, 0x1018, t("Identity")],
+  [0x1029, 0x1029, t("Error behaviour")],
+  [0x1200, 0x127f, t("SDO server")],
+  [0x1280, 0x12ff, t("SDO client")],
+  [0x1400, 0x15ff, t("RPDO communication")],
+  [0x1600, 0x17ff, t("RPDO mapping")],
+  [0x1800, 0x19ff, t("TPDO communication")],
+  [0x1a00, 0x1bff, t("TPDO mapping")],
 ];
 
 function nameOf(entries: readonly ObjectEntry[]): string {
@@ -129,12 +130,12 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
         </div>
         <div className="toolbar">
           {entry.access !== "wo" && (
-            <button type="button" disabled={!full} aria-label={`Read ${key}`} onClick={() => void read(entry)}>
-              Read
+            <button type="button" disabled={!full} aria-label={t("Read {key}", { key })} onClick={() => void read(entry)}>
+              {t("Read")}
             </button>
           )}
-          <output aria-label={`Value of ${key}`}>{value?.text}</output>
-          {value?.octets && <span className="octets" title="The octets as transferred">{value.octets}</span>}
+          <output aria-label={t("Value of {key}", { key })}>{value?.text}</output>
+          {value?.octets && <span className="octets" title={t("The octets as transferred")}>{value.octets}</span>}
           {!constant && (
             <form
               className="group"
@@ -143,9 +144,9 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
                 void write(entry);
               }}
             >
-              <input size={9} aria-label={`New value of ${key}`} aria-invalid={reason !== undefined && reason !== ""} disabled={!full} value={edited.get(key) ?? ""} placeholder={value?.text ?? entry.unit} onChange={(e) => edit(new Map(edited).set(key, e.target.value))} />
-              <button type="submit" disabled={!full} aria-label={`Write ${key}`}>
-                Write
+              <input size={9} aria-label={t("New value of {key}", { key })} aria-invalid={reason !== undefined && reason !== ""} disabled={!full} value={edited.get(key) ?? ""} placeholder={value?.text ?? entry.unit} onChange={(e) => edit(new Map(edited).set(key, e.target.value))} />
+              <button type="submit" disabled={!full} aria-label={t("Write {key}", { key })}>
+                {t("Write")}
               </button>
             </form>
           )}
@@ -159,13 +160,13 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
     );
   };
   return (
-    <section aria-label="Object dictionary">
-      <h2>Object dictionary</h2>
+    <section aria-label={t("Object dictionary")}>
+      <h2>{t("Object dictionary")}</h2>
       <div className="toolbar">
         <label>
-          Node
+          {t("Node")}
           <select value={nodeId} onChange={(e) => void enter(Number(e.target.value))}>
-            <option value={0}>none</option>
+            <option value={0}>{t("none")}</option>
             {bus.nodes.map((each) => (
               <option key={each.node_id} value={each.node_id}>
                 {each.name}
@@ -173,10 +174,10 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
             ))}
           </select>
         </label>
-        {nodeId > 0 && entries.length > 0 && <input type="search" aria-label="Objects" placeholder="6083, a name, a unit" value={filter} onChange={(e) => setFilter(e.target.value)} />}
+        {nodeId > 0 && entries.length > 0 && <input type="search" aria-label={t("Objects")} placeholder={t("6083, a name, a unit")} value={filter} onChange={(e) => setFilter(e.target.value)} />}
       </div>
       {nodeId > 0 && entries.length > 0 && (
-        <ul className="tree objects" aria-label="Entries">
+        <ul className="tree objects" aria-label={t("Entries")}>
           {grouped(found, (each) => AREAS.find(([last]) => each.index <= last)![1]).map(([area, inArea]) =>
             branch(area, area, inArea, () => (
               <ul>
@@ -187,7 +188,7 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
                   return branch(title, title, some, () => (
                     <ul>
                       <li>
-                        <IconButton icon={Download} look="plain" label={`Read all of ${title}`} disabled={!full} onClick={() => void readAll(some)} />
+                        <IconButton icon={Download} look="plain" label={t("Read all of {title}", { title })} disabled={!full} onClick={() => void readAll(some)} />
                       </li>
                       {some.map(leaf)}
                     </ul>
@@ -198,8 +199,8 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
           )}
         </ul>
       )}
-      {nodeId > 0 && wanted.length > 0 && !found.length && <p className="empty">No object matches.</p>}
-      {nodeId > 0 && !entries.length && <p>No description of this node is known.</p>}
+      {nodeId > 0 && wanted.length > 0 && !found.length && <p className="empty">{t("No object matches.")}</p>}
+      {nodeId > 0 && !entries.length && <p>{t("No description of this node is known.")}</p>}
     </section>
   );
 }

@@ -1,9 +1,11 @@
 /** What is seen when nothing is selected: how the system does, and what can be done. */
 
 import { Activity, CircleAlert, MousePointerClick, Plus, Spline } from "lucide-react";
+import { joined } from "./Inspector.tsx";
 import type { Subject } from "./Inspector.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
 import { stateClass, stateOf, store } from "./store.ts";
+import { rich, t } from "./texts.ts";
 
 /** Wires that lose samples are listed up to this number. */
 const MOST = 12;
@@ -28,11 +30,11 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
   return (
     <div className="overview">
       {system.doc && <p>{system.doc}</p>}
-      <section aria-label="Components by state" className="card">
+      <section aria-label={t("Components by state")} className="card">
         <h2>
-          {components.length} components, {connections.length} connections
+          {t("{components} components, {connections} connections", { components: components.length, connections: connections.length })}
         </h2>
-        {!components.length && <p>The system has no components yet.</p>}
+        {!components.length && <p>{t("The system has no components yet.")}</p>}
         <p className="toolbar">
           {[...states].map(([name, { of, instances }]) => (
             <span key={name} className={`state ${of}`} title={instances.join("\n")}>
@@ -47,22 +49,22 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
         ))}
         {late.length > 0 && (
           <p>
-            Late:{" "}
+            {t("Late:")}{" "}
             {late.map((each) => (
               <span key={each.instance}>
-                {chosen(each.instance)} {String(statistics.get(each.instance)!.overruns)} overruns{" "}
+                {chosen(each.instance)} {t("{count} overruns", { count: statistics.get(each.instance)!.overruns })}{" "}
               </span>
             ))}
           </p>
         )}
       </section>
-      <section aria-label="Lost samples" className="card">
-        <h2>{losing.length ? `${losing.length} connections lose samples` : "No connection loses samples"}</h2>
+      <section aria-label={t("Lost samples")} className="card">
+        <h2>{losing.length ? t("{count} connections lose samples", { count: losing.length }) : t("No connection loses samples")}</h2>
         <ul className="plainlist">
           {losing.slice(0, MOST).map((each) => (
             <li key={each.name}>
               <button type="button" className="link plain" onClick={() => inspect({ kind: "wire", name: each.name })}>
-                <bdi>{`${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}`}</bdi>
+                <bdi>{joined(each)}</bdi>
               </button>
               <small className="late">{flows.get(each.name)!.details}</small>
             </li>
@@ -70,40 +72,40 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
         </ul>
       </section>
       {system.buses.length > 0 && (
-        <section aria-label="Buses" className="card">
-          <h2>Buses</h2>
+        <section aria-label={t("Buses")} className="card">
+          <h2>{t("Buses")}</h2>
           {system.buses.map((bus) => {
             const load = traffic.loads.get(bus.name)?.at(-1)?.load;
             return (
               <p key={bus.name}>
-                <bdi>{bus.name}</bdi>: {bus.nodes.length} nodes{load !== undefined && `, load ${(100 * load).toFixed(1)} %`}
-                {bus.computed_load >= 0 && `, computed ${(100 * bus.computed_load).toFixed(1)} %`}
+                <bdi>{bus.name}</bdi>: {t("{count} nodes", { count: bus.nodes.length })}{load !== undefined && t(", load {value} %", { value: (100 * load).toFixed(1) })}
+                {bus.computed_load >= 0 && t(", computed {value} %", { value: (100 * bus.computed_load).toFixed(1) })}
               </p>
             );
           })}
         </section>
       )}
       {next && (
-        <section aria-label="Next event" className="card">
-          <h2>Next on the timeline</h2>
+        <section aria-label={t("Next event")} className="card">
+          <h2>{t("Next on the timeline")}</h2>
           <p>
             <time>{next.time.toFixed(3)} s</time> {next.kind} <bdi>{next.text}</bdi>
           </p>
         </section>
       )}
-      <section aria-label="What can be done" className="card hints">
-        <h2>What can be done</h2>
+      <section aria-label={t("What can be done")} className="card hints">
+        <h2>{t("What can be done")}</h2>
         <p>
-          <MousePointerClick size={14} aria-hidden /> <span>Press a box for its values, parameters and services.</span>
+          <MousePointerClick size={14} aria-hidden /> <span>{t("Press a box for its values, parameters and services.")}</span>
         </p>
         <p>
-          <Spline size={14} aria-hidden /> <span>Drag from port to port to connect; press a wire and Delete to cut it.</span>
+          <Spline size={14} aria-hidden /> <span>{t("Drag from port to port to connect; press a wire and Delete to cut it.")}</span>
         </p>
         <p>
-          <Plus size={14} aria-hidden /> <span>Components adds one: press it, or drag it to its place.</span>
+          <Plus size={14} aria-hidden /> <span>{t("Components adds one: press it, or drag it to its place.")}</span>
         </p>
         <p>
-          <Activity size={14} aria-hidden /> <span><kbd>Space</kbd> plays, <kbd>.</kbd> steps, <kbd>Ctrl K</kbd> finds everything, <kbd>?</kbd> shows all keys.</span>
+          <Activity size={14} aria-hidden /> <span>{rich("{space} plays, {step} steps, {find} finds everything, {keys} shows all keys.", { space: <kbd>Space</kbd>, step: <kbd>.</kbd>, find: <kbd>Ctrl K</kbd>, keys: <kbd>?</kbd> })}</span>
         </p>
       </section>
     </div>

@@ -6,6 +6,7 @@ import { IconButton } from "./kit/Button.tsx";
 import { Naming } from "./Naming.tsx";
 import type { PaletteEntry, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 /** The kind of the data of a drag of a component's type. */
 export const DRAGGED = "application/x-rtgen-component";
@@ -13,7 +14,7 @@ export const DRAGGED = "application/x-rtgen-component";
 /** The entries by category, both by name. */
 function grouped(entries: readonly PaletteEntry[]): [string, PaletteEntry[]][] {
   const groups = new Map<string, PaletteEntry[]>();
-  for (const each of entries) groups.set(each.category || "other", [...(groups.get(each.category || "other") ?? []), each]);
+  for (const each of entries) groups.set(each.category || t("other"), [...(groups.get(each.category || t("other")) ?? []), each]);
   return [...groups].sort(([one], [other]) => one.localeCompare(other));
 }
 
@@ -31,16 +32,16 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
   const [filter, setFilter] = useState("");
   const found = system.palette.filter((each) => isFound(each, filter));
   return (
-    <nav className="palette" aria-label="Palette" data-view="Palette" tabIndex={-1}>
+    <nav className="palette" aria-label={t("Palette")} data-view="Palette" tabIndex={-1}>
       <Naming system={system} full={full} selected={selected} select={select} />
       {system.palette.length > 0 && (
-        <section aria-label="Components to add">
+        <section aria-label={t("Components to add")}>
           <div className="title">
-            <h2>Components</h2>
-            <IconButton icon={X} look="plain" label="Close the palette" onClick={close} />
+            <h2>{t("Components")}</h2>
+            <IconButton icon={X} look="plain" label={t("Close the palette")} onClick={close} />
           </div>
-          <input type="search" aria-label="Filter of components" placeholder="Name, category, port, type" value={filter} onChange={(e) => setFilter(e.target.value)} />
-          {!found.length && <p className="empty">No component has “{filter}”.</p>}
+          <input type="search" aria-label={t("Filter of components")} placeholder={t("Name, category, port, type")} value={filter} onChange={(e) => setFilter(e.target.value)} />
+          {!found.length && <p className="empty">{t("No component has “{filter}”.", { filter })}</p>}
           {grouped(found).map(([category, entries]) => (
             <details key={category} open>
               <summary>
@@ -55,7 +56,7 @@ export function Palette(props: { system: SystemState; full: boolean; selected: s
                       disabled={!full}
                       draggable={full}
                       title={[entry.type, entry.doc].filter(Boolean).join("\n")}
-                      aria-label={`Add ${entry.type}`}
+                      aria-label={t("Add {type}", { type: entry.type })}
                       onDragStart={(e) => {
                         e.dataTransfer.setData(DRAGGED, entry.type);
                         e.dataTransfer.effectAllowed = "copy";

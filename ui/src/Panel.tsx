@@ -13,7 +13,9 @@ import { Overview } from "./Overview.tsx";
 import type { Line, Statistics } from "./store.ts";
 import { Values } from "./Values.tsx";
 import { stateClass, stateOf, store } from "./store.ts";
+import { t } from "./texts.ts";
 import type { View } from "./views.ts";
+import { titleOf } from "./views.ts";
 
 export function Timeline({ lines }: { lines: readonly Line[] }) {
   // Changes of the compared run arrive slightly later than they happened.
@@ -37,19 +39,21 @@ function BoardOf({ instance, open }: { instance: string; open: (view: View) => v
   const trips = calls.map((each) => each.round_trip).filter((each) => each >= 0);
   const failed = calls.filter((each) => each.error);
   return (
-    <section className="card" aria-label="Board">
-      <h2>Board</h2>
+    <section className="card" aria-label={t("Board")}>
+      <h2>{t("Board")}</h2>
       <p>
-        {calls.length} calls{trips.length > 0 && `, ${((1e6 * trips.reduce((sum, each) => sum + each, 0)) / trips.length).toPrecision(3)} µs each`}, the last {last.function || "of unknown function"} at {last.time.toFixed(3)} s
+        {t("{count} calls", { count: calls.length })}
+        {trips.length > 0 && t(", {mean} µs each", { mean: ((1e6 * trips.reduce((sum, each) => sum + each, 0)) / trips.length).toPrecision(3) })}
+        {t(", the last {name} at {time} s", { name: last.function || t("of unknown function"), time: last.time.toFixed(3) })}
       </p>
       {failed.length > 0 && (
         <p className="reason">
-          {failed.length} failed: {failed.at(-1)!.error}
+          {t("{count} failed: {error}", { count: failed.length, error: failed.at(-1)!.error })}
         </p>
       )}
       <div className="buttons">
         <button type="button" onClick={() => open("Boards")}>
-          Octets and round trips
+          {t("Octets and round trips")}
         </button>
       </div>
     </section>
@@ -73,12 +77,12 @@ export function Panel(props: {
 }) {
   const { view, system, component, statistics, full, select, rename, subject, inspect, open, port, choosePort } = props;
   return (
-    <aside className="panel" aria-label={`Component: ${view}`} data-view={view} tabIndex={-1}>
+    <aside className="panel" aria-label={t("Component: {view}", { view: titleOf(view) })} data-view={view} tabIndex={-1}>
       {subject && <Inspector subject={subject} {...{ system, full, select, inspect, open, choosePort }} />}
       <label>
-        Component
+        {t("Component")}
         <select value={component?.instance ?? ""} onChange={(e) => select(e.target.value)}>
-          <option value="">Overview</option>
+          <option value="">{t("Overview")}</option>
           {system.components.map((each) => (
             <option key={each.instance} value={each.instance}>{each.instance}</option>
           ))}
@@ -91,26 +95,26 @@ export function Panel(props: {
             {component.contexts.map((each) => (
               <Fragment key={each.handle}>
                 , {each.rate} Hz <bdi>{each.kind.toLowerCase()}</bdi>
-                {!each.running && ", stopped"}
+                {!each.running && t(", stopped")}
               </Fragment>
             ))}
-            {statistics && `, ${statistics.ticks} ticks, ${statistics.overruns} overruns, ${statistics.lost} lost`}
+            {statistics && t(", {ticks} ticks, {overruns} overruns, {lost} lost", { ticks: statistics.ticks, overruns: statistics.overruns, lost: statistics.lost })}
           </p>
-          {system.beside && store.page.beside.has(component.instance) && <p>beside: {store.page.beside.get(component.instance)}</p>}
+          {system.beside && store.page.beside.has(component.instance) && <p>{t("beside: {state}", { state: store.page.beside.get(component.instance)! })}</p>}
           {component.silent && <p className="reason">{component.silent}</p>}
           {(component.reason || statistics?.impaired) && <p className={stateOf(component) === "FINISHED" ? "" : "reason"}>{component.reason || statistics?.impaired}</p>}
           <div className="buttons">
             {!component.place && (
-              <IconButton icon={Pencil} label={`Rename ${component.instance}`} keys="F2" disabled={!full} onClick={() => rename(component.instance)} />
+              <IconButton icon={Pencil} label={t("Rename {instance}", { instance: component.instance })} keys="F2" disabled={!full} onClick={() => rename(component.instance)} />
             )}
             {(
               [
-                ["Activate", "activated"],
-                ["Deactivate", "deactivated"],
-                ["Reset", "restored"],
+                [t("Activate"), t("Activate {instance}", { instance: component.instance }), "activated"],
+                [t("Deactivate"), t("Deactivate {instance}", { instance: component.instance }), "deactivated"],
+                [t("Reset"), t("Reset {instance}", { instance: component.instance }), "restored"],
               ] as const
-            ).map(([name, kind]) => (
-              <button key={kind} type="button" disabled={!full} aria-label={`${name} ${component.instance}`} onClick={() => store.order({ case: kind, value: [component.instance] })}>
+            ).map(([name, label, kind]) => (
+              <button key={kind} type="button" disabled={!full} aria-label={label} onClick={() => store.order({ case: kind, value: [component.instance] })}>
                 {name}
               </button>
             ))}

@@ -9,6 +9,7 @@ import type { Curve } from "./curves.ts";
 import { FIRST, csv, figuresOf, inPictures, joined, labelOf, stampOf, until, valueAt } from "./curves.ts";
 import { IconButton } from "./kit/Button.tsx";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 /** Height of a picture [px]. */
 const HEIGHT = 200;
@@ -52,12 +53,12 @@ export function Span() {
   const { span, zoom } = store.page;
   return (
     <label>
-      Plots show
+      {t("Plots show")}
       <select value={zoom ? "" : span} onChange={(e) => store.span(Number(e.target.value))}>
-        {zoom && <option value="">{`${brief(zoom[0])} s to ${brief(zoom[1])} s`}</option>}
+        {zoom && <option value="">{t("{first} s to {last} s", { first: brief(zoom[0]), last: brief(zoom[1]) })}</option>}
         {SPANS.map((each) => (
           <option key={each} value={each}>
-            {each ? `the last ${each} s` : "the run"}
+            {each ? t("the last {span} s", { span: each }) : t("the run")}
           </option>
         ))}
       </select>
@@ -113,7 +114,7 @@ function options(curves: readonly Curve[], text: string, size: { width: number; 
       ],
     },
     axes: [
-      { ...axis, size: 30, label: "time [s]", labelSize: 16 },
+      { ...axis, size: 30, label: t("time [s]"), labelSize: 16 },
       ...units.map((unit, i) => ({
         ...axis,
         scale: scaleOf(unit),
@@ -203,7 +204,7 @@ function Picture({ source, read, label, zero, keep }: { source: string; read: ()
       role="img"
       tabIndex={0}
       aria-label={label}
-      title="Drag to zoom, double click for all. Keys: arrows move the cursor, Shift moves the picture, + − 0 zoom"
+      title={t("Drag to zoom, double click for all. Keys: arrows move the cursor, Shift moves the picture, + − 0 zoom")}
       onKeyDown={(e) => {
         if (e.ctrlKey || e.metaKey || e.altKey || !press(e.key, e.shiftKey)) return;
         e.preventDefault();
@@ -324,43 +325,43 @@ export function Plot({ id, label, read, texts, carried, dropped, remove, compare
   return (
     <div className={`plots ${over ? "over" : ""}`} {...drop}>
       <div className="toolbar">
-        <IconButton icon={ZoomIn} look="plain" label="Zoom in time" keys="+" disabled={empty} onClick={() => zoomAround(time ?? range[1], ...range, ZOOM)} />
-        <IconButton icon={ZoomOut} look="plain" label="Zoom out of time" keys="-" disabled={empty || !zoom} onClick={() => zoomAround(time ?? range[1], ...range, 1 / ZOOM)} />
-        <IconButton icon={Maximize2} look="plain" label="Show all times" keys="0" disabled={!zoom} onClick={() => store.zoom(undefined)} />
-        <IconButton icon={Download} look="plain" label={`Save ${label} as CSV`} disabled={empty} onClick={() => download(fileName(id, "csv"), new Blob([csv(shown, range)], { type: "text/csv" }))} />
+        <IconButton icon={ZoomIn} look="plain" label={t("Zoom in time")} keys="+" disabled={empty} onClick={() => zoomAround(time ?? range[1], ...range, ZOOM)} />
+        <IconButton icon={ZoomOut} look="plain" label={t("Zoom out of time")} keys="-" disabled={empty || !zoom} onClick={() => zoomAround(time ?? range[1], ...range, 1 / ZOOM)} />
+        <IconButton icon={Maximize2} look="plain" label={t("Show all times")} keys="0" disabled={!zoom} onClick={() => store.zoom(undefined)} />
+        <IconButton icon={Download} look="plain" label={t("Save {label} as CSV", { label })} disabled={empty} onClick={() => download(fileName(id, "csv"), new Blob([csv(shown, range)], { type: "text/csv" }))} />
         <IconButton
           icon={Image}
           look="plain"
-          label={`Save ${label} as PNG`}
+          label={t("Save {label} as PNG", { label })}
           disabled={empty}
           onClick={(e) => composed([...plots.current.values()], shown, e.currentTarget.closest(".panel, main") ?? document.body).toBlob((content) => content && download(fileName(id, "png"), content))}
         />
         {children}
-        <output aria-label="Time at the cursor">{time === undefined ? "" : `at ${brief(time)} s`}</output>
+        <output aria-label={t("Time at the cursor")}>{time === undefined ? "" : t("at {time} s", { time: brief(time) })}</output>
       </div>
       {groups.map((units, i) => (
         <Picture
           key={i}
           source={id}
           read={() => shownOf(read()).filter((each) => units.includes(each.unit))}
-          label={i ? `${label} in ${units.filter(Boolean).join(", ")}` : label}
+          label={i ? t("{label} in {units}", { label, units: units.filter(Boolean).join(", ") }) : label}
           zero={zero}
           keep={(plot) => (plot ? plots.current.set(String(i), plot) : plots.current.delete(String(i)))}
         />
       ))}
       {rows.length > 0 && (
         <div className="rows curves" tabIndex={0} style={{ "--columns": compared ? 7 : 6 } as CSSProperties}>
-          <table aria-label={`Curves of ${label}`}>
+          <table aria-label={t("Curves of {label}", { label })}>
             <thead>
               <tr>
-                <th scope="col">value</th>
-                <th scope="col">{time === undefined ? "now" : "cursor"}</th>
-                {compared && <th scope="col">beside</th>}
-                <th scope="col">min</th>
-                <th scope="col">max</th>
-                <th scope="col">mean</th>
-                <th scope="col" title="Standard deviation">σ</th>
-                <th scope="col">unit</th>
+                <th scope="col">{t("value")}</th>
+                <th scope="col">{time === undefined ? t("now") : t("cursor")}</th>
+                {compared && <th scope="col">{t("beside")}</th>}
+                <th scope="col">{t("min")}</th>
+                <th scope="col">{t("max")}</th>
+                <th scope="col">{t("mean")}</th>
+                <th scope="col" title={t("Standard deviation")}>σ</th>
+                <th scope="col">{t("unit")}</th>
               </tr>
             </thead>
             <tbody>
@@ -375,7 +376,7 @@ export function Plot({ id, label, read, texts, carried, dropped, remove, compare
                         <span className="swatch" style={{ background: colour(curve.colour) }} />
                         <span>{curve.name}</span>
                       </label>
-                      {taken && <IconButton icon={X} look="plain" label={`Remove ${curve.name}`} onClick={taken} />}
+                      {taken && <IconButton icon={X} look="plain" label={t("Remove {name}", { name: curve.name })} onClick={taken} />}
                     </th>
                     <td>{now(curve.beside ? undefined : curve)}</td>
                     {compared && <td>{now(all.find((each) => each.beside && each.key === curve.key))}</td>}

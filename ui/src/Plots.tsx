@@ -7,9 +7,11 @@ import { MemberPlot, portOf } from "./MemberPlot.tsx";
 import { addMember, addPlot, memberOf, removePlot, usePlots } from "./members.ts";
 import { MEMBER, Span } from "./Plot.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
+import { t } from "./texts.ts";
 
 /** Plots of this view, by their numbers; those of other views have other names. */
 const NAME = /^Plot (\d+)$/;
+const labelOf = (id: string): string => t("Plot {number}", { number: NAME.exec(id)![1]! });
 
 export function Plots({ system }: { system: SystemState }) {
   const plots = usePlots();
@@ -21,7 +23,7 @@ export function Plots({ system }: { system: SystemState }) {
     <label>
       <span className="announced">{label}</span>
       <select aria-label={label} value="" onChange={(e) => e.target.value && addMember(id, { port: e.target.value, path: "" })}>
-        <option value="">Add a port …</option>
+        <option value="">{t("Add a port …")}</option>
         {ports
           .filter((each) => !plots.get(id)?.some(({ port, path }) => port === each && !path))
           .map((each) => (
@@ -32,23 +34,23 @@ export function Plots({ system }: { system: SystemState }) {
       </select>
     </label>
   );
-  if (!ports.length) return <p>No port of this system has values.</p>;
+  if (!ports.length) return <p>{t("No port of this system has values.")}</p>;
   return (
     <>
       <div className="toolbar">
         <Button icon={ChartLine} onClick={() => addPlot(next)}>
-          New plot
+          {t("New plot")}
         </Button>
         <Span />
       </div>
       {shown.map(([id, members]) => (
-        <section key={id} aria-label={id} className="card">
-          <h2>{id}</h2>
-          <MemberPlot id={id} label={id} system={system} added={members}>
-            {choice(id, `Add a port to ${id}`)}
-            <IconButton icon={Trash2} look="plain" label={`Remove ${id}`} onClick={() => removePlot(id)} />
+        <section key={id} aria-label={labelOf(id)} className="card">
+          <h2>{labelOf(id)}</h2>
+          <MemberPlot id={id} label={labelOf(id)} system={system} added={members}>
+            {choice(id, t("Add a port to {plot}", { plot: labelOf(id) }))}
+            <IconButton icon={Trash2} look="plain" label={t("Remove {name}", { name: labelOf(id) })} onClick={() => removePlot(id)} />
           </MemberPlot>
-          {!members.length && <p className="empty">Add a port, or drag rows here from the tables of Values.</p>}
+          {!members.length && <p className="empty">{t("Add a port, or drag rows here from the tables of Values.")}</p>}
         </section>
       ))}
       <div
@@ -66,8 +68,8 @@ export function Plots({ system }: { system: SystemState }) {
           if (member) addMember(next, member);
         }}
       >
-        {choice(next, "Add a port to a new plot")}
-        <span>or drag a row of a table here for a new plot</span>
+        {choice(next, t("Add a port to a new plot"))}
+        <span>{t("or drag a row of a table here for a new plot")}</span>
       </div>
     </>
   );

@@ -4,6 +4,7 @@ import { useState } from "react";
 import type { Fit, PortAddress } from "./protocol/Ui.ts";
 import { Question } from "./kit/Dialog.tsx";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 export interface Misfit {
   here: PortAddress;
@@ -18,9 +19,9 @@ export function Purpose({ misfit: { here, fit }, close }: { misfit: Misfit; clos
       value: { source: here, target: fit.port, name: "", properties: [{ name: `rtgen.allow.${fit.allow}`, text: reason.trim() }] },
     });
   return (
-    <Question text={`${fit.refused}. Connect them on purpose?`} name="Connect" yes={connect} close={close}>
+    <Question text={t("{refused}. Connect them on purpose?", { refused: fit.refused })} name={t("Connect")} yes={connect} close={close}>
       <label>
-        Reason
+        {t("Reason")}
         <input required autoFocus pattern=".*\S.*" value={reason} onChange={(e) => say(e.target.value)} />
       </label>
     </Question>

@@ -6,6 +6,7 @@ import { Button } from "./kit/Button.tsx";
 import { Dialog } from "./kit/Dialog.tsx";
 import type { FileChange, Rename as Asked, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 type Subject = Pick<Asked, "kind" | "part"> & { name: string; label: string };
 
@@ -13,10 +14,10 @@ export function Rename({ system, instance, close, select }: { system: SystemStat
   const component = system.components.find((each) => each.instance === instance);
   const subjects: Subject[] = component
     ? [
-        { kind: "RENAME_INSTANCE", part: "", name: instance, label: `instance ${instance}` },
-        { kind: "RENAME_COMPONENT", part: "", name: component.type, label: `component ${component.type}` },
-        ...component.ports.map((each): Subject => ({ kind: "RENAME_PORT", part: each.name, name: each.name, label: `port ${each.name}` })),
-        ...component.parameters.map((each): Subject => ({ kind: "RENAME_PARAMETER", part: each.name, name: each.name, label: `parameter ${each.name}` })),
+        { kind: "RENAME_INSTANCE", part: "", name: instance, label: t("instance {instance}", { instance }) },
+        { kind: "RENAME_COMPONENT", part: "", name: component.type, label: t("component {type}", { type: component.type }) },
+        ...component.ports.map((each): Subject => ({ kind: "RENAME_PORT", part: each.name, name: each.name, label: t("port {name}", { name: each.name }) })),
+        ...component.parameters.map((each): Subject => ({ kind: "RENAME_PARAMETER", part: each.name, name: each.name, label: t("parameter {name}", { name: each.name }) })),
       ]
     : [];
   const [chosen, choose] = useState(0);
@@ -46,7 +47,7 @@ export function Rename({ system, instance, close, select }: { system: SystemStat
   };
   const isNew = name.trim() !== "" && name.trim() !== subject.name;
   return (
-    <Dialog title="Rename" close={close} className="rename">
+    <Dialog title={t("Rename")} close={close} className="rename">
       <form
         onSubmit={(e) => {
           e.preventDefault();
@@ -54,9 +55,9 @@ export function Rename({ system, instance, close, select }: { system: SystemStat
         }}
       >
         <label>
-          What
+          {t("What")}
           <select
-            aria-label="What is renamed"
+            aria-label={t("What is renamed")}
             value={chosen}
             onChange={(e) => {
               choose(Number(e.target.value));
@@ -71,7 +72,7 @@ export function Rename({ system, instance, close, select }: { system: SystemStat
           </select>
         </label>
         <label>
-          New name
+          {t("New name")}
           <input autoFocus value={name} aria-invalid={refused !== ""} onFocus={(e) => e.target.select()} onChange={(e) => setName(e.target.value)} />
         </label>
         {refused && (
@@ -80,17 +81,17 @@ export function Rename({ system, instance, close, select }: { system: SystemStat
           </p>
         )}
         {changes && (
-          <section aria-label="What changes" className="changes" tabIndex={0}>
+          <section aria-label={t("What changes")} className="changes" tabIndex={0}>
             <p>
-              {changes.length === 1 ? "One file changes" : `${changes.length} files change`}, what is generated from them follows, and the run begins again. Undo takes it back.
+              {t(changes.length === 1 ? "One file changes, what is generated from them follows, and the run begins again. Undo takes it back." : "{count} files change, what is generated from them follows, and the run begins again. Undo takes it back.", { count: changes.length })}
             </p>
             <Changes changes={changes} />
           </section>
         )}
         <div className="answers">
-          <Button onClick={close}>Cancel</Button>
+          <Button onClick={close}>{t("Cancel")}</Button>
           <Button type="submit" look="primary" disabled={!isNew || busy}>
-            {changes ? "Rename" : "Show what changes"}
+            {changes ? t("Rename") : t("Show what changes")}
           </Button>
         </div>
       </form>

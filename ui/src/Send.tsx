@@ -4,6 +4,7 @@ import { useEffect, useState } from "react";
 import { frameOf, stepsOf } from "./sequence.ts";
 import type { Step } from "./sequence.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 const LOOK_AGAIN = 10;
 
@@ -15,8 +16,8 @@ export function Send({ bus, full }: { bus: string; full: boolean }) {
   const { cyclic } = store.traffic;
   const send = async (text: string, period: number) => {
     const frame = frameOf(text);
-    if (!frame) return store.notify("A frame is written id#octets in hexadecimal digits, as 181#0102; id#R asks for one.");
-    if (!(period >= 0)) return store.notify("The period is not a number of seconds.");
+    if (!frame) return store.notify(t("A frame is written id#octets in hexadecimal digits, as 181#0102; id#R asks for one."));
+    if (!(period >= 0)) return store.notify(t("The period is not a number of seconds."));
     const key = `${bus} ${frame.can_id} ${frame.extended}`;
     const result = await store.order({ case: "frame", value: { ...frame, bus, period } });
     if (!result.done) return undefined;
@@ -41,8 +42,8 @@ export function Send({ bus, full }: { bus: string; full: boolean }) {
     return () => clearInterval(timer);
   }, [waiting, bus]);
   return (
-    <section aria-label="Send frames">
-      <h2>Send</h2>
+    <section aria-label={t("Send frames")}>
+      <h2>{t("Send")}</h2>
       <form
         className="buttons"
         onSubmit={(e) => {
@@ -51,33 +52,33 @@ export function Send({ bus, full }: { bus: string; full: boolean }) {
         }}
       >
         <label>
-          Frame
+          {t("Frame")}
           <input size={18} placeholder="181#0102" value={text} disabled={!full} onChange={(e) => setText(e.target.value)} />
         </label>
         <button type="submit" disabled={!full}>
-          Send once
+          {t("Send once")}
         </button>
         <label>
-          Period [s]
+          {t("Period [s]")}
           <input size={5} inputMode="decimal" value={period} disabled={!full} onChange={(e) => setPeriod(e.target.value)} />
         </label>
         <button type="button" disabled={!full} onClick={() => void send(text, Number(period) || NaN)}>
-          Send cyclically
+          {t("Send cyclically")}
         </button>
       </form>
       {[...cyclic.values()]
         .filter((each) => each.bus === bus)
         .map((each) => (
-          <button key={each.text} type="button" disabled={!full} aria-label={`End ${each.text}`} onClick={() => void send(each.text, 0)}>
+          <button key={each.text} type="button" disabled={!full} aria-label={t("End {text}", { text: each.text })} onClick={() => void send(each.text, 0)}>
             {each.text} ×
           </button>
         ))}
       <label className="sequence">
-        Sequence
+        {t("Sequence")}
         <textarea rows={3} placeholder={"0 181#0102\n0.5 181#0000"} value={lines} disabled={!full} onChange={(e) => setLines(e.target.value)} />
       </label>
       <button type="button" disabled={!full} onClick={() => (waiting ? wait(undefined) : begin())}>
-        {waiting ? "Stop the sequence" : "Send the sequence"}
+        {waiting ? t("Stop the sequence") : t("Send the sequence")}
       </button>
     </section>
   );

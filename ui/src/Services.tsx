@@ -8,6 +8,7 @@ import { DraftError, draft, finish } from "./draft.ts";
 import type { BoardCall, Component, Operation, PortAddress, Result } from "./protocol/Ui.ts";
 import { CdrError, deserialize, serialize } from "./protocol/_cdr.ts";
 import { leaves, store } from "./store.ts";
+import { rich, t } from "./texts.ts";
 
 /** Maximum number of repeated calls of a form. */
 const MAX_CALLS = 500;
@@ -73,7 +74,7 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
     try {
       if (operation.reply >= 0) reply = deserialize(store.types.codec(operation.reply), result.reply);
     } catch (error) {
-      if (error instanceof CdrError) return failed(`the result cannot be read: ${error.message}`);
+      if (error instanceof CdrError) return failed(t("the result cannot be read: {reason}", { reason: error.message }));
       throw error;
     }
     const calls = store.traffic.callsSince(before);
@@ -96,17 +97,17 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
       ) : (
         <>
           {operation.request >= 0 && <Form type={operation.request} value={value} label="" change={change} />}
-          <button type="submit" disabled={!full} aria-label={`Call ${operation.name} of ${port.instance}.${port.port}`}>
-            Call
+          <button type="submit" disabled={!full} aria-label={t("Call {name} of {instance}.{port}", { name: operation.name, instance: port.instance, port: port.port })}>
+            {t("Call")}
           </button>{" "}
           <label>
-            <input type="number" className="times" min={1} max={MAX_CALLS} disabled={!full} value={times} aria-label={`Times ${operation.name} is called`} onChange={(e) => setTimes(Math.min(Math.max(Math.trunc(e.target.valueAsNumber) || 1, 1), MAX_CALLS))} />
-            times
+            <input type="number" className="times" min={1} max={MAX_CALLS} disabled={!full} value={times} aria-label={t("Times {name} is called", { name: operation.name })} onChange={(e) => setTimes(Math.min(Math.max(Math.trunc(e.target.valueAsNumber) || 1, 1), MAX_CALLS))} />
+            {t("times")}
           </label>
         </>
       )}
       {outcome && (
-        <div role="status" aria-label={`Result of ${operation.name}`}>
+        <div role="status" aria-label={t("Result of {name}", { name: operation.name })}>
           {outcome.error ? (
             <p className="reason">{outcome.error}</p>
           ) : outcome.values.length ? (
@@ -121,7 +122,7 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
               </tbody>
             </table>
           ) : (
-            <p>done</p>
+            <p>{t("done")}</p>
           )}
           {outcome.calls.length > 1 && <Histogram calls={outcome.calls} />}
           {outcome.calls.length > 0 && <CallTable calls={outcome.calls.slice(-SHOWN).reverse()} />}
@@ -133,13 +134,13 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
 
 export function Services({ component, full }: { component: Component; full: boolean }) {
   const provided = component.ports.flatMap((port) => port.interfaces.filter((each) => each.provided).map((each) => ({ port, each })));
-  if (!provided.length) return <p>This component provides no service.</p>;
+  if (!provided.length) return <p>{t("This component provides no service.")}</p>;
   return provided.map(({ port, each }) => (
     <section key={`${port.name} ${each.name}`} aria-label={`${port.name} ${each.type}`}>
       <h2>
         <bdi>{port.name}</bdi>: <bdi>{each.type}</bdi>
       </h2>
-      {component.place && !each.operations.length && <p>The project does not define <bdi>{each.type}</bdi>, so its operations are unknown.</p>}
+      {component.place && !each.operations.length && <p>{rich("The project does not define {type}, so its operations are unknown.", { type: <bdi>{each.type}</bdi> })}</p>}
       {each.operations.map((operation) => (
         <OperationForm key={operation.name} port={{ instance: component.instance, port: port.name }} interfaceName={each.name} operation={operation} full={full} />
       ))}

@@ -6,6 +6,7 @@ import { Button, IconButton } from "./kit/Button.tsx";
 import type { PlannedEvent, SystemState } from "./protocol/Ui.ts";
 import type { Line } from "./store.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 /** Minimum step of the slider [s], and its number of steps. */
 const MIN_STEP = 0.001;
@@ -32,7 +33,7 @@ function Player({ now, first, last }: { now: number; first: number; last: number
     <IconButton
       icon={isPlaying ? Pause : Play}
       look="primary"
-      label={isPlaying ? "Pause" : "Play"}
+      label={isPlaying ? t("Pause") : t("Play")}
       disabled={last <= first}
       onClick={() => {
         if (over) void store.look(first);
@@ -111,31 +112,31 @@ export function TimeBar({ system, full, lines, live, brief }: { system: SystemSt
   const part = (100 * (last - time.first)) / (end - time.first);
   return (
     <footer>
-      <div className="time" role="toolbar" aria-label="Time">
+      <div className="time" role="toolbar" aria-label={t("Time")}>
       <div className="toolbar">
         {simulated && (
           <>
-            {!brief && <IconButton icon={Rewind} look="plain" label={`Look back by ${BACK} s`} disabled={time.now <= time.first} onClick={() => void store.look(Math.max(time.first, time.now - BACK))} />}
+            {!brief && <IconButton icon={Rewind} look="plain" label={t("Look back by {seconds} s", { seconds: BACK })} disabled={time.now <= time.first} onClick={() => void store.look(Math.max(time.first, time.now - BACK))} />}
             <IconButton
               icon={time.playing ? Pause : Play}
               look="primary"
-              label={time.playing ? "Pause" : "Play"}
+              label={time.playing ? t("Pause") : t("Play")}
               keys="Space"
               disabled={!full}
               onClick={() => store.order(time.playing ? { case: "paused", value: true } : { case: "played", value: true })}
             />
-            <IconButton icon={StepForward} label="Step" keys="." disabled={!full || time.playing} onClick={() => store.order({ case: "step", value: 0 })} />
+            <IconButton icon={StepForward} label={t("Step")} keys="." disabled={!full || time.playing} onClick={() => store.order({ case: "step", value: 0 })} />
           </>
         )}
         {recording && <Player now={time.now} first={time.first} last={time.last} />}
-        <output aria-label="Time of the run">{time.now.toFixed(3)} s</output>
+        <output aria-label={t("Time of the run")}>{time.now.toFixed(3)} s</output>
         {simulated && !brief && (
           <label>
-            <span className="announced">Speed</span>
-            <select aria-label="Speed" title="Speed" disabled={!full} value={time.speed} onChange={(e) => store.order({ case: "speed", value: Number(e.target.value) })}>
+            <span className="announced">{t("Speed")}</span>
+            <select aria-label={t("Speed")} title={t("Speed")} disabled={!full} value={time.speed} onChange={(e) => store.order({ case: "speed", value: Number(e.target.value) })}>
               {[...new Set([...SPEEDS, time.speed])].map((speed) => (
                 <option key={speed} value={speed}>
-                  {speed ? `${speed}×` : "fastest"}
+                  {speed ? `${speed}×` : t("fastest")}
                 </option>
               ))}
             </select>
@@ -148,7 +149,7 @@ export function TimeBar({ system, full, lines, live, brief }: { system: SystemSt
           type="range"
           className="past"
           style={{ width: `max(28px, ${part}%)` }}
-          aria-label="Look at time"
+          aria-label={t("Look at time")}
           aria-valuetext={`${time.now.toFixed(3)} s`}
           min={time.first}
           max={last}
@@ -157,8 +158,8 @@ export function TimeBar({ system, full, lines, live, brief }: { system: SystemSt
           onChange={(e) => void store.look(Number(e.target.value))}
         />
         <small className="ends">
-          <span>{time.first > 0 ? `kept from ${time.first.toFixed(1)} s on` : "0 s"}</span>
-          {time.ended && !recording && <span>ended</span>}
+          <span>{time.first > 0 ? t("kept from {first} s on", { first: time.first.toFixed(1) }) : "0 s"}</span>
+          {time.ended && !recording && <span>{t("ended")}</span>}
           <span>{end.toFixed(end < 100 ? 1 : 0)} s</span>
         </small>
       </div>
@@ -171,25 +172,25 @@ export function TimeBar({ system, full, lines, live, brief }: { system: SystemSt
                 if (goal.trim() && Number.isFinite(Number(goal))) void store.order({ case: "time", value: Number(goal) });
               }}
             >
-              <input aria-label="Go to time in seconds" placeholder="time [s]" inputMode="decimal" size={6} value={goal} onChange={(e) => setGoal(e.target.value)} disabled={!full} />
+              <input aria-label={t("Go to time in seconds")} placeholder={t("time [s]")} inputMode="decimal" size={6} value={goal} onChange={(e) => setGoal(e.target.value)} disabled={!full} />
               <Button type="submit" disabled={!full}>
-                Go
+                {t("Go")}
               </Button>
             </form>
         )}
         {(simulated || elsewhere) && !brief && (
             <Button
               aria-pressed={kept}
-              title={[system.beside, elsewhere ? "Show this run beside the next one" : "Show this run beside those that begin when time is set back"].filter(Boolean).join("\n")}
+              title={[system.beside, elsewhere ? t("Show this run beside the next one") : t("Show this run beside those that begin when time is set back")].filter(Boolean).join("\n")}
               disabled={!full}
               onClick={() => store.order({ case: "kept", value: !kept })}
             >
-              {system.beside ? `Beside: ${system.beside}` : "Keep beside"}
+              {system.beside ? t("Beside: {beside}", { beside: system.beside }) : t("Keep beside")}
             </Button>
         )}
         {!recording && (
-          <Button className={`live ${live && !time.past ? "on" : ""}`} title={time.past ? "Back to the present" : "The page shows the present"} disabled={!time.past} onClick={() => void store.look(-1)}>
-            Live
+          <Button className={`live ${live && !time.past ? "on" : ""}`} title={time.past ? t("Back to the present") : t("The page shows the present")} disabled={!time.past} onClick={() => void store.look(-1)}>
+            {t("Live")}
           </Button>
         )}
       </div>

@@ -6,6 +6,7 @@ import { usePlots } from "./members.ts";
 import { Span } from "./Plot.tsx";
 import type { Component, SystemState } from "./protocol/Ui.ts";
 import { leaves, store } from "./store.ts";
+import { rich, t } from "./texts.ts";
 
 export function Values({ system, component }: { system: SystemState; component: Component }) {
   const plots = usePlots();
@@ -18,7 +19,7 @@ export function Values({ system, component }: { system: SystemState; component: 
     return system.channels.filter((each) => each.port.instance === component.instance || near.has(portOf(each)));
   }, [system.connections, system.channels, component.instance]);
   const unknown = component.ports.filter((each) => component.place && each.kind === "PORT_OUT" && each.type_number < 0);
-  if (!shown.length && !unknown.length) return <p>No port of this component has values.</p>;
+  if (!shown.length && !unknown.length) return <p>{t("No port of this component has values.")}</p>;
   const sections = shown.filter((each) => !each.beside).map((channel) => {
     const name = portOf(channel);
     const other = shown.find((each) => each.beside && portOf(each) === name);
@@ -30,12 +31,12 @@ export function Values({ system, component }: { system: SystemState; component: 
     return (
       <section key={channel.id} aria-label={name}>
         <h2>{name}</h2>
-        {track?.refused && <p className="reason">The last sample could not be read: {track.refused}</p>}
-        {!rows?.times.length && !track?.refused && <p>No sample yet.</p>}
-        <MemberPlot id={id} label="Values over time" system={system} own={channel} added={plots.get(id) ?? []} />
-        {rows?.thinned && <p className="thinned">Of older samples some are left out of the plot.</p>}
+        {track?.refused && <p className="reason">{t("The last sample could not be read: {reason}", { reason: track.refused })}</p>}
+        {!rows?.times.length && !track?.refused && <p>{t("No sample yet.")}</p>}
+        <MemberPlot id={id} label={t("Values over time")} system={system} own={channel} added={plots.get(id) ?? []} />
+        {rows?.thinned && <p className="thinned">{t("Of older samples some are left out of the plot.")}</p>}
         {rows && rows.times.length > 0 && others.length > 0 && (
-          <table aria-label={`Texts of ${name}`}>
+          <table aria-label={t("Texts of {name}", { name })}>
             <tbody>
               {others.map(([path, value]) => (
                 <tr key={path}>
@@ -56,7 +57,7 @@ export function Values({ system, component }: { system: SystemState; component: 
       {sections}
       {unknown.map((each) => (
         <p key={each.name}>
-          <bdi>{each.name}</bdi>: the project does not define <bdi>{each.type}</bdi>, so its samples cannot be read.
+          {rich("{port}: the project does not define {type}, so its samples cannot be read.", { port: <bdi>{each.name}</bdi>, type: <bdi>{each.type}</bdi> })}
         </p>
       ))}
     </>

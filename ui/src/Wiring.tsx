@@ -22,6 +22,7 @@ import type { Misfit } from "./Purpose.tsx";
 import { Purpose } from "./Purpose.tsx";
 import type { Statistics } from "./store.ts";
 import { stateClass, stateOf, store } from "./store.ts";
+import { t } from "./texts.ts";
 import type { View } from "./views.ts";
 import { ROOM, useWidth } from "./width.ts";
 
@@ -58,12 +59,12 @@ function PortRow({ component, port, fits, isOpen }: { component: Component; port
   const service = port.kind === "PORT_SERVICE";
   const kind = service ? "service" : port.kind === "PORT_IN" ? "in" : "out";
   const refused = fits?.get(address({ instance: component.instance, port: port.name }))?.refused;
-  const type = service ? port.interfaces.map((each) => `${each.provided ? "provides" : "uses"} ${each.type}`).join(", ") : port.type;
-  const title = [port.name, type, port.unit && `[${port.unit}]`, port.doc, refused && `Does not fit: ${refused}`].filter(Boolean).join("\n");
+  const type = service ? port.interfaces.map((each) => each.provided ? t("provides {type}", { type: each.type }) : t("uses {type}", { type: each.type })).join(", ") : port.type;
+  const title = [port.name, type, port.unit && `[${port.unit}]`, port.doc, refused && t("Does not fit: {reason}", { reason: refused })].filter(Boolean).join("\n");
   const mark = fits ? (refused === undefined ? "other" : refused ? "refused" : "fits") : "";
   const provided = port.interfaces.some((each) => each.provided);
   const style = { "--ink": ink(service ? typeOf(port) : port.type) } as CSSProperties;
-  const names = { id: idOf(port.name), role: "img", "aria-label": `${kind} port ${component.instance}.${port.name}`, title, style };
+  const names = { id: idOf(port.name), role: "img", "aria-label": t(service ? "service port {port}" : port.kind === "PORT_IN" ? "in port {port}" : "out port {port}", { port: `${component.instance}.${port.name}` }), title, style };
   return (
     <div className={`port ${kind} ${mark} ${isOpen ? "open" : ""} ${service && !provided ? "socket" : ""}`} title={title}>
       {kind !== "out" && <Handle type="target" position={Position.Left} {...names} />}
@@ -87,8 +88,8 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
       <div className="head" title={[component.place && component.instance, component.type, component.doc, component.silent || component.reason].filter(Boolean).join("\n")}>
         <strong>{title(component)}</strong>
         <small>
-          {component.silent ? "does not answer" : stateOf(component)} {rates}
-          {overruns > 0n && <span className="late">{` ${overruns} overruns`}</span>}
+          {component.silent ? t("does not answer") : stateOf(component)} {rates}
+          {overruns > 0n && <span className="late">{` ${t("{count} overruns", { count: overruns })}`}</span>}
         </small>
       </div>
       <div className="ports">
@@ -105,7 +106,7 @@ type GroupNode = Node<{ name: string }, "frame">;
 /** A group of boxes: those of a process, or of a host. */
 function GroupFrame({ data: { name } }: NodeProps<GroupNode>) {
   return (
-    <section className="frame-of" aria-label={`Group ${name}`}>
+    <section className="frame-of" aria-label={t("Group {name}", { name })}>
       <bdi>{name}</bdi>
     </section>
   );
@@ -148,7 +149,7 @@ function WireLine({ id, data, selected, interactionWidth, ...ends }: EdgeProps<W
   const flow = data?.flow;
   const lost = flow && flow.lost > 0n;
   const rate = flow && flow.rate >= 0 ? `${flow.rate.toFixed(flow.rate < 10 ? 1 : 0)}/s` : "";
-  const said = data?.planned ?? [rate, lost ? `${flow.lost} lost` : ""].filter(Boolean).join(", ");
+  const said = data?.planned ?? [rate, lost ? t("{count} lost", { count: flow.lost }) : ""].filter(Boolean).join(", ");
   return (
     <g onMouseEnter={() => hover(true)} onMouseLeave={() => hover(false)}>
       <BaseEdge id={id} path={path} style={{ stroke: ink(data?.type ?? "") }} {...(interactionWidth !== undefined && { interactionWidth })} />
@@ -189,6 +190,11 @@ const PART = 8;
 const APART = 10;
 /** What boxes are grouped by; kept when the page is reloaded. */
 const GROUPED = "rtgen grouped";
+const GROUPS: Readonly<Record<Grouping, { label: string; title: string }>> = {
+  "": { label: t("Groups: none"), title: t("Groups: none. Click for those of processes.") },
+  process: { label: t("Groups: process"), title: t("Groups: by process. Click for those of hosts.") },
+  host: { label: t("Groups: host"), title: t("Groups: by host. Click for none.") },
+};
 const GROUPINGS: readonly Grouping[] = ["", "process", "host"];
 /** Whether boxes are at the places of the layout; kept when the page is reloaded. */
 const ARRANGED = "rtgen arranged";
@@ -246,7 +252,7 @@ export const Wiring = memo(function Wiring(props: {
     const joined = components.filter((each) => !free.has(each.instance));
     arrange(joined, connections, clientWidth, clientHeight, height(lines, byInstance(components)), by).then(
       (found) => current && setArrangement({ ...found, shape }),
-      (error: unknown) => store.notify(`The layout failed: ${String(error)}`),
+      (error: unknown) => store.notify(t("The layout failed: {error}", { error: String(error) })),
     );
     return () => {
       current = false;
@@ -287,7 +293,7 @@ export const Wiring = memo(function Wiring(props: {
           id,
           type: "component" as const,
           position: old?.dragging ? old.position : (steered.current.get(id) ?? places.of.get(component.instance) ?? { x: 0, y: 0 }),
-          ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? "does not answer" : stateOf(component)}`,
+          ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? t("does not answer") : stateOf(component)}`,
           data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits, joined: joined.get(component.instance) ?? NONE },
         };
       });
@@ -439,7 +445,12 @@ export const Wiring = memo(function Wiring(props: {
         target: idOf(each.target.instance),
         targetHandle: idOf(each.target.port),
         selected: picked.has(idOf(each.name)),
-        ariaLabel: `connection ${each.name} from ${each.source.instance}.${each.source.port} to ${each.target.instance}.${each.target.port}${flow && flow.lost > 0n ? `, ${flow.lost} samples lost` : ""}`,
+        ariaLabel: t(flow && flow.lost > 0n ? "connection {name} from {source} to {target}, {lost} samples lost" : "connection {name} from {source} to {target}", {
+          name: each.name,
+          source: `${each.source.instance}.${each.source.port}`,
+          target: `${each.target.instance}.${each.target.port}`,
+          lost: flow?.lost ?? 0n,
+        }),
       };
     });
     const later = planned
@@ -448,7 +459,7 @@ export const Wiring = memo(function Wiring(props: {
         id: `planned ${i}`,
         type: "wire",
         className: "planned",
-        data: { route: routes.get(plannedName(planned.indexOf(each))), type: typeAt(each.source), planned: `at ${each.time} s` },
+        data: { route: routes.get(plannedName(planned.indexOf(each))), type: typeAt(each.source), planned: t("at {time} s", { time: each.time }) },
         source: idOf(each.source.instance),
         sourceHandle: idOf(each.source.port),
         target: idOf(each.target.instance),
@@ -480,18 +491,18 @@ export const Wiring = memo(function Wiring(props: {
     store.order({ case: "place", value: { instance: nameOf(id), where: stored(position) } }).then(() => steered.current.delete(id));
   const items = ({ label, edge }: Place & { edge: boolean }): Item[] => {
     const order = (name: string, kind: "activated" | "deactivated" | "restored") => ({ name, act: () => void store.order({ case: kind, value: [label] }) });
-    if (edge) return [{ name: "Cut", act: () => void store.order({ case: "connection", value: label }) }];
+    if (edge) return [{ name: t("Cut"), act: () => void store.order({ case: "connection", value: label }) }];
     const connections = () => {
       select(label);
       open("Connections");
     };
     return [
-      order("Activate", "activated"),
-      order("Deactivate", "deactivated"),
-      order("Reset", "restored"),
-      ...(components.find((each) => each.instance === label)?.place ? [] : [{ name: "Rename", act: () => rename(label) }]),
-      { name: "Connections", act: connections },
-      { name: "Remove", act: () => void store.order({ case: "removed", value: label }) },
+      order(t("Activate"), "activated"),
+      order(t("Deactivate"), "deactivated"),
+      order(t("Reset"), "restored"),
+      ...(components.find((each) => each.instance === label)?.place ? [] : [{ name: t("Rename"), act: () => rename(label) }]),
+      { name: t("Connections"), act: connections },
+      { name: t("Remove"), act: () => void store.order({ case: "removed", value: label }) },
     ];
   };
 
@@ -499,7 +510,7 @@ export const Wiring = memo(function Wiring(props: {
     <section
       ref={section}
       className="wiring"
-      aria-label="Wiring"
+      aria-label={t("Wiring")}
       aria-busy={arrangement?.shape !== shape}
       onDragOver={(e) => {
         if (!full || !e.dataTransfer.types.includes(DRAGGED)) return;
@@ -598,8 +609,8 @@ export const Wiring = memo(function Wiring(props: {
           <Controls showInteractive={false} orientation={isWide ? "vertical" : "horizontal"}>
             <ControlButton
               aria-pressed={arranged}
-              aria-label="Arranged"
-              title={arranged ? "Arranged: so that lines hardly cross. Click for the places of the file, where boxes can be dragged." : "The places of the file. Click to arrange the boxes."}
+              aria-label={t("Arranged")}
+              title={arranged ? t("Arranged: so that lines hardly cross. Click for the places of the file, where boxes can be dragged.") : t("The places of the file. Click to arrange the boxes.")}
               onClick={() => {
                 setArranged(!arranged);
                 sessionStorage.setItem(ARRANGED, arranged ? "no" : "yes");
@@ -610,8 +621,8 @@ export const Wiring = memo(function Wiring(props: {
             {isSpread && (
               <ControlButton
                 aria-pressed={by !== ""}
-                aria-label={`Groups: ${by || "none"}`}
-                title={`Groups: ${by ? `by ${by}` : "none"}. Click for ${{ "": "those of processes", process: "those of hosts", host: "none" }[by]}.`}
+                aria-label={GROUPS[by].label}
+                title={GROUPS[by].title}
                 onClick={() => {
                   const next = GROUPINGS[(GROUPINGS.indexOf(by) + 1) % GROUPINGS.length]!;
                   groupBy(next);
@@ -621,22 +632,22 @@ export const Wiring = memo(function Wiring(props: {
                 <Group aria-hidden />
               </ControlButton>
             )}
-            <ControlButton aria-pressed={mapped} aria-label="Small map" title="A small map of the whole wiring, by which the view is moved" onClick={() => showMap(!mapped)}>
+            <ControlButton aria-pressed={mapped} aria-label={t("Small map")} title={t("A small map of the whole wiring, by which the view is moved")} onClick={() => showMap(!mapped)}>
               <MapIcon aria-hidden />
             </ControlButton>
           </Controls>
           {mapped && (
-            <MiniMap<Shown> position="top-right" style={MAP} pannable zoomable ariaLabel="Map of the wiring" nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />
+            <MiniMap<Shown> position="top-right" style={MAP} pannable zoomable ariaLabel={t("Map of the wiring")} nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />
           )}
         </ReactFlow>
         </Inspecting.Provider>
       )}
       {!components.length && (
         <div className="empty over">
-          <strong>This system has no components yet.</strong>
-          <p>Add the first one, then drag from port to port to connect it with the next.</p>
+          <strong>{t("This system has no components yet.")}</strong>
+          <p>{t("Add the first one, then drag from port to port to connect it with the next.")}</p>
           <Button icon={Plus} look="primary" disabled={!full} onClick={add}>
-            Add a component
+            {t("Add a component")}
           </Button>
         </div>
       )}

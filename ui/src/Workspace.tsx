@@ -8,8 +8,9 @@ import type { HiddenTabBehavior, Orientation, TabNode, TabRenderProps, TabsetNod
 import { IconButton } from "./kit/Button.tsx";
 import { Menu } from "./Menu.tsx";
 import type { Item, Place } from "./Menu.tsx";
+import { t } from "./texts.ts";
 import type { Tree, View } from "./views.ts";
-import { VIEWS, exchanged, isOfComponent, panes, tabOf, written } from "./views.ts";
+import { VIEWS, exchanged, isOfComponent, panes, tabOf, titleOf, written } from "./views.ts";
 
 type Handle = WorkspaceImperativeHandle<View>;
 
@@ -80,7 +81,7 @@ function Tab({ tab, props }: { tab: TabNode<View>; props: TabRenderProps }) {
 
 const renderTab = (tab: TabNode<View>, props: TabRenderProps) => <Tab tab={tab} props={props} />;
 
-const renderSeparator = (orientation: Orientation) => <Separator className={`grip ${orientation}`} aria-label={orientation === "horizontal" ? "Width of the panes" : "Height of the panes"} />;
+const renderSeparator = (orientation: Orientation) => <Separator className={`grip ${orientation}`} aria-label={orientation === "horizontal" ? t("Width of the panes") : t("Height of the panes")} />;
 
 /** The buttons of a pane, which do by keyboard what dragging its tabs does by mouse. */
 function Toolbar({ tabset }: { tabset: TabsetNode<View> }) {
@@ -100,28 +101,28 @@ function Toolbar({ tabset }: { tabset: TabsetNode<View> }) {
     return [
       ...(tabset.tabs.length > 1
         ? [
-            { name: `${view} beside the others`, act: () => move("right") },
-            { name: `${view} below the others`, act: () => move("bottom") },
+            { name: t("{view} beside the others", { view: titleOf(view) }), act: () => move("right") },
+            { name: t("{view} below the others", { view: titleOf(view) }), act: () => move("bottom") },
           ]
         : []),
-      ...(state.isRoot ? [] : [state.isMaximized ? { name: "All panes", act: () => handle.restoreTabset() } : { name: "This pane alone", act: () => handle.maximizeTabset(tabset.id) }]),
-      ...(opened.length > 1 ? [{ name: `Close ${view}`, act: () => handle.closeTab(view) }] : []),
-      ...VIEWS.filter((each) => !tabset.tabs.some(({ id }) => id === each)).map((each) => ({ name: `Show ${each} here`, act: () => void put(each) })),
+      ...(state.isRoot ? [] : [state.isMaximized ? { name: t("All panes"), act: () => handle.restoreTabset() } : { name: t("This pane alone"), act: () => handle.maximizeTabset(tabset.id) }]),
+      ...(opened.length > 1 ? [{ name: t("Close {view}", { view: titleOf(view) }), act: () => handle.closeTab(view) }] : []),
+      ...VIEWS.filter((each) => !tabset.tabs.some(({ id }) => id === each)).map((each) => ({ name: t("Show {view} here", { view: titleOf(each) }), act: () => void put(each) })),
     ];
   };
   const isMain = panes(handle.getModel().root)[0]?.id === tabset.id;
   return (
     <>
       {!isMain && (
-        <IconButton icon={ArrowLeftRight} look="plain" label={`Exchange ${view} with the main pane`} onClick={() => handle.setModel({ ...handle.getModel(), root: exchanged(handle.getModel().root, view) })} />
+        <IconButton icon={ArrowLeftRight} look="plain" label={t("Exchange {view} with the main pane", { view: titleOf(view) })} onClick={() => handle.setModel({ ...handle.getModel(), root: exchanged(handle.getModel().root, view) })} />
       )}
       <IconButton
         icon={EllipsisVertical}
         look="plain"
-        label={`Pane of ${view}`}
+        label={t("Pane of {view}", { view: titleOf(view) })}
         onClick={(e) => {
           const box = e.currentTarget.getBoundingClientRect();
-          show({ label: `Pane of ${view}`, x: box.left, y: box.bottom });
+          show({ label: t("Pane of {view}", { view: titleOf(view) }), x: box.left, y: box.bottom });
         }}
       />
       {menu && <Menu place={menu} items={items()} close={() => show(undefined)} />}

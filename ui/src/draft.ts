@@ -2,6 +2,7 @@
 
 import type { TypeMember, TypeNode } from "./protocol/Ui.ts";
 import type { TypeTable } from "./protocol/table.ts";
+import { t } from "./texts.ts";
 
 /** Text or boolean for a scalar; null for a missing optional member. */
 export type Draft = string | boolean | null | Draft[] | Chosen | { [name: string]: Draft };
@@ -40,7 +41,7 @@ export function isNumber(node: TypeNode): boolean {
 
 function node(table: TypeTable, type: number): TypeNode {
   const found = table.nodes[type];
-  if (!found) throw new DraftError(`there is no type ${type}`);
+  if (!found) throw new DraftError(t("there is no type {type}", { type }));
   return found;
 }
 
@@ -54,7 +55,7 @@ export function draft(table: TypeTable, type: number): Draft {
 function checkLengths(table: TypeTable, type: number): void {
   const each = node(table, type);
   const length = each.dimensions.reduce((product, one) => product * one, 1);
-  if (length > MAX_ELEMENTS) throw new DraftError(`an array of ${length} elements is too long for a form`);
+  if (length > MAX_ELEMENTS) throw new DraftError(t("an array of {length} elements is too long for a form", { length }));
   if (each.kind === "TYPE_ARRAY") checkLengths(table, each.element);
   if (each.kind === "TYPE_STRUCT") each.members.forEach((one) => one.optional || checkLengths(table, one.type));
 }
@@ -113,17 +114,17 @@ export function finish(table: TypeTable, type: number, value: Draft, path = ""):
     case "TYPE_FLOAT":
     case "TYPE_DOUBLE": {
       const text = String(value).trim();
-      return text === "" || Number.isNaN(Number(text)) ? fail(`${JSON.stringify(text)} is not a number`) : Number(text);
+      return text === "" || Number.isNaN(Number(text)) ? fail(t("{text} is not a number", { text: JSON.stringify(text) })) : Number(text);
     }
     case "TYPE_CHAR":
     case "TYPE_WCHAR":
-      return String(value).length === 1 ? value : fail("one character is needed");
+      return String(value).length === 1 ? value : fail(t("one character is needed"));
     case "TYPE_STRING":
     case "TYPE_WSTRING":
-      return each.bound && String(value).length > each.bound ? fail(`at most ${each.bound} characters`) : value;
+      return each.bound && String(value).length > each.bound ? fail(t("at most {count} characters", { count: each.bound })) : value;
     case "TYPE_SEQUENCE": {
       const parts = value as Draft[];
-      if (each.bound && parts.length > each.bound) fail(`at most ${each.bound} elements`);
+      if (each.bound && parts.length > each.bound) fail(t("at most {count} elements", { count: each.bound }));
       const found = parts.map((part, i) => inner(each.element, part, `[${i}]`));
       const kind = node(table, each.element).kind;
       if (kind === "TYPE_OCTET") return Uint8Array.from(found as number[]);
@@ -149,7 +150,7 @@ export function finish(table: TypeTable, type: number, value: Draft, path = ""):
     case "TYPE_UNION": {
       const { branch, value: part } = value as Chosen;
       const member = each.members.find((one) => one.name === branch);
-      if (!member) return fail(`there is no branch ${branch}`);
+      if (!member) return fail(t("there is no branch {branch}", { branch }));
       const made = { case: branch, value: inner(member.type, part, `.${branch}`) };
       return member.labels.length ? made : { ...made, discriminator: otherLabel(table, each, fail) };
     }
@@ -159,9 +160,9 @@ export function finish(table: TypeTable, type: number, value: Draft, path = ""):
 }
 
 function integer(each: TypeNode, text: string, [least, most]: readonly [bigint, bigint], fail: (text: string) => never): unknown {
-  if (!/^-?\d+$|^0x[\da-f]+$/i.test(text)) return fail(`${JSON.stringify(text)} is not a whole number`);
+  if (!/^-?\d+$|^0x[\da-f]+$/i.test(text)) return fail(t("{text} is not a whole number", { text: JSON.stringify(text) }));
   const number = BigInt(text);
-  if (number < least || number > most) return fail(`${number} is not between ${least} and ${most}`);
+  if (number < least || number > most) return fail(t("{number} is not between {least} and {most}", { number, least, most }));
   const wide = each.kind === "TYPE_LONGLONG" || each.kind === "TYPE_ULONGLONG" || (each.kind === "TYPE_BITMASK" && each.bound > 32);
   return wide ? number : Number(number);
 }
@@ -183,7 +184,7 @@ function otherLabel(table: TypeTable, union: TypeNode, fail: (text: string) => n
   const element = node(table, union.element);
   if (element.kind === "TYPE_ENUM") {
     const free = element.members.find((one) => !taken.has(one.labels[0] ?? 0n));
-    return free?.name ?? fail("each label has a branch of its own");
+    return free?.name ?? fail(t("each label has a branch of its own"));
   }
   let free = 0n;
   while (taken.has(free)) free += 1n;

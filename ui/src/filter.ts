@@ -4,6 +4,7 @@
  */
 
 import type { Frame } from "./protocol/Ui.ts";
+import { t } from "./texts.ts";
 import { hexadecimal, identifierOf, wordsOf } from "./traffic.ts";
 
 export type Test = (frame: Frame) => boolean;
@@ -53,9 +54,9 @@ function holds(value: number, relation: Relation, other: number): boolean {
 /** Compares a number with one, or with a range `a-b`; `read` reads them. */
 function numeric(key: string, relation: Relation, text: string, read: (text: string) => number): (value: number) => boolean {
   const [first, last] = text.split(/(?<=.)-(?=.)/).map(read);
-  if (first === undefined || Number.isNaN(first) || (last !== undefined && Number.isNaN(last))) throw new FilterError(`${key}${relation} needs a number, not ${text || "nothing"}`);
+  if (first === undefined || Number.isNaN(first) || (last !== undefined && Number.isNaN(last))) throw new FilterError(t("{key}{relation} needs a number, not {text}", { key, relation, text: text || t("nothing") }));
   if (last === undefined) return (value) => holds(value, relation, first);
-  if (relation !== ":" && relation !== "=" && relation !== "!=") throw new FilterError(`${key}${relation} needs one number, not a range`);
+  if (relation !== ":" && relation !== "=" && relation !== "!=") throw new FilterError(t("{key}{relation} needs one number, not a range", { key, relation }));
   return (value) => (value >= first && value <= last) !== (relation === "!=");
 }
 
@@ -121,22 +122,22 @@ export function filterOf(text: string): Test | string {
       if (tokens[at] === "&") at += 1;
       else found.push(one());
     }
-    if (!found.length && tokens.length) throw new FilterError("nothing stands beside |, or between brackets");
+    if (!found.length && tokens.length) throw new FilterError(t("nothing stands beside |, or between brackets"));
     return (frame) => found.every((each) => each(frame));
   };
   const one = (): Test => {
     const token = tokens[at++];
-    if (token === undefined) throw new FilterError("nothing follows !");
+    if (token === undefined) throw new FilterError(t("nothing follows !"));
     if (token === "!") {
       const negated = one();
       return (frame) => !negated(frame);
     }
     if (token === "(") {
       const inner = alternatives();
-      if (tokens[at++] !== ")") throw new FilterError("a bracket is not closed");
+      if (tokens[at++] !== ")") throw new FilterError(t("a bracket is not closed"));
       return inner;
     }
-    if (")|&".includes(token)) throw new FilterError(`nothing stands before ${token}`);
+    if (")|&".includes(token)) throw new FilterError(t("nothing stands before {token}", { token }));
     if (token.startsWith("!")) {
       tokens.splice(at, 0, token.slice(1));
       const negated = one();
@@ -149,7 +150,7 @@ export function filterOf(text: string): Test | string {
   };
   try {
     const test = alternatives();
-    if (at < tokens.length) throw new FilterError("a bracket is closed that is not open");
+    if (at < tokens.length) throw new FilterError(t("a bracket is closed that is not open"));
     return test;
   } catch (error) {
     if (!(error instanceof FilterError)) throw error;

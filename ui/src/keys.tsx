@@ -4,16 +4,17 @@ import { useEffect } from "react";
 import { Dialog } from "./kit/Dialog.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
+import { t } from "./texts.ts";
 
 const SHOWN: readonly (readonly [string, readonly (readonly [string, string])[]])[] = [
-  ["Page", [["Ctrl K", "find a command, a component, a view"], ["?", "this list"], ["Ctrl Z", "undo"], ["Ctrl Y", "redo"], ["Tab", "next control"]]],
-  ["Time", [["Space", "play or pause"], [".", "step to the next instant"], [",", "look back by one step"], ["L", "back to the present"], ["← →", "on the time line: look at another time"]]],
-  ["Wiring", [["Enter", "select the box or the wire that has the focus"], ["F2", "rename what is selected"], ["Shift F10", "menu of the box or the wire"], ["Delete", "remove the box, cut the wire"], ["Arrows", "move the box, at the places of the file"]]],
+  [t("Page"), [["Ctrl K", t("find a command, a component, a view")], ["?", t("this list")], ["Ctrl Z", t("undo")], ["Ctrl Y", t("redo")], ["Tab", t("next control")]]],
+  [t("Time"), [["Space", t("play or pause")], [".", t("step to the next instant")], [",", t("look back by one step")], ["L", t("back to the present")], ["← →", t("on the time line: look at another time")]]],
+  [t("Wiring"), [["Enter", t("select the box or the wire that has the focus")], ["F2", t("rename what is selected")], ["Shift F10", t("menu of the box or the wire")], ["Delete", t("remove the box, cut the wire")], [t("Arrows"), t("move the box, at the places of the file")]]],
 ];
 
 export function Keys({ close }: { close: () => void }) {
   return (
-    <Dialog title="Keys" close={close}>
+    <Dialog title={t("Keys")} close={close}>
       <div className="keys">
         {SHOWN.map(([part, keys]) => (
           <div key={part} className="part">

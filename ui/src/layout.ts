@@ -3,6 +3,7 @@
 import type { ElkNode, ElkPort } from "elkjs/lib/elk-api";
 import type { Line } from "./lines.ts";
 import type { Component, Connection, Location, Port } from "./protocol/Ui.ts";
+import { t } from "./texts.ts";
 
 const HEADER = 46;
 /** A port has its name, and below it its type. */
@@ -210,7 +211,7 @@ export function frames(boxes: readonly (Point & { component: Component })[], by:
   return [...groups].map(([name, members]) => {
     const [start, end] = around(members);
     const { side, top } = FRAME;
-    return { name: name || "this process", x: start.x - side, y: start.y - top, width: end.x - start.x + 2 * side, height: end.y - start.y + side + top };
+    return { name: name || t("this process"), x: start.x - side, y: start.y - top, width: end.x - start.x + 2 * side, height: end.y - start.y + side + top };
   });
 }
 

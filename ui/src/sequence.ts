@@ -1,6 +1,7 @@
 /** Sequences of frames with the time of each since the start. */
 
 import type { SendFrame } from "./protocol/Ui.ts";
+import { t } from "./texts.ts";
 import { octetsOf } from "./traffic.ts";
 
 export interface Step {
@@ -28,9 +29,9 @@ export function stepsOf(text: string): Step[] | string {
     if (!line) continue;
     const [time = "", rest = ""] = [line.replace(/\s.*/, ""), line.replace(/^\S+\s*/, "")];
     const frame = frameOf(rest);
-    if (!frame || !/^\d+(\.\d+)?$/.test(time)) return `line ${i + 1}: a time in seconds and a frame are needed, as 0.5 181#0102`;
+    if (!frame || !/^\d+(\.\d+)?$/.test(time)) return t("line {number}: a time in seconds and a frame are needed, as 0.5 181#0102", { number: i + 1 });
     steps.push({ time: Number(time), frame });
   }
-  if (steps.length > MAX_STEPS) return `at most ${MAX_STEPS} frames`;
+  if (steps.length > MAX_STEPS) return t("at most {count} frames", { count: MAX_STEPS });
   return steps.sort((a, b) => a.time - b.time);
 }

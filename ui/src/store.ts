@@ -6,6 +6,7 @@ import { CdrError, decode, deserialize, encode } from "./protocol/_cdr.ts";
 import { TypeTable } from "./protocol/table.ts";
 import { isFull, thin } from "./series.ts";
 import { Traffic } from "./traffic.ts";
+import { language, t } from "./texts.ts";
 
 export interface Line {
   time: number;
@@ -82,6 +83,22 @@ function token(): string {
   return given;
 }
 
+/** The kinds of lines of the console, in words. */
+const KINDS: Readonly<Record<string, string>> = {
+  asked: t("asked"),
+  call: t("call"),
+  end: t("end"),
+  error: t("error"),
+  found: t("found"),
+  lost: t("lost"),
+  notice: t("notice"),
+  overrun: t("overrun"),
+  skipped: t("skipped"),
+  waiting: t("waiting"),
+  warning: t("warning"),
+};
+export const kindOf = (kind: string): string => KINDS[kind] ?? kind;
+
 /** Kinds of notices that are failures. */
 const FAILURES = ["error", "end", "lost", "overrun"];
 const MAX_LINES = 500;
@@ -138,7 +155,7 @@ export class Store {
   }
 
   connect(): void {
-    const address = `ws://${location.host}/socket?token=${encodeURIComponent(token())}`;
+    const address = `ws://${location.host}/socket?token=${encodeURIComponent(token())}&language=${language}`;
     const socket = new WebSocket(address, "rtgen-ui.1");
     socket.binaryType = "arraybuffer";
     socket.onmessage = (message) => {
@@ -149,13 +166,13 @@ export class Store {
     };
     socket.onclose = (closed) => {
       for (const settle of this.waiting.values())
-        settle({ done: false, message: "the connection to the server is lost" } as Result);
+        settle({ done: false, message: t("the connection to the server is lost") } as Result);
       this.waiting.clear();
       if (closed.code === 4401 || closed.code === 4403) {
-        this.change({ link: "refused", notice: "The server refuses this address: its token is not valid. Open the address that `rtgen ui` has printed." });
+        this.change({ link: "refused", notice: t("The server refuses this address: its token is not valid. Open the address that `rtgen ui` has printed.") });
         return;
       }
-      this.change({ link: "lost", notice: "The server has ended. Looking for it again." });
+      this.change({ link: "lost", notice: t("The server has ended. Looking for it again.") });
       setTimeout(() => this.connect(), RECONNECT_AFTER);
     };
     this.socket = socket;
@@ -173,7 +190,7 @@ export class Store {
     const request = ++this.request;
     return new Promise<Result>((settle) => {
       if (this.socket?.readyState !== WebSocket.OPEN) {
-        settle({ done: false, message: "there is no connection to the server" } as Result);
+        settle({ done: false, message: t("there is no connection to the server") } as Result);
         return;
       }
       this.waiting.set(request, settle);
@@ -263,7 +280,7 @@ export class Store {
   private announce(what: string, connection: Connection | undefined): void {
     if (!connection || this.retelling) return;
     const { source, target } = connection;
-    this.page = { ...this.page, announced: `${source.instance}.${source.port} to ${target.instance}.${target.port}: ${what}` };
+    this.page = { ...this.page, announced: t("{source} to {target}: {what}", { source: `${source.instance}.${source.port}`, target: `${target.instance}.${target.port}`, what }) };
   }
 
   private take(event: Event): void {
@@ -306,12 +323,12 @@ export class Store {
         break;
       case "connected": {
         const connection = event.value;
-        this.announce("connected", connection);
+        this.announce(t("connected"), connection);
         this.system((system) => ({ connections: replaced(system.connections, connection, (c: Connection) => c.name) }));
         break;
       }
       case "cut":
-        this.announce("cut", this.page.system?.connections.find((each) => each.name === event.value));
+        this.announce(t("cut"), this.page.system?.connections.find((each) => each.name === event.value));
         this.system((system) => ({
           connections: system.connections.filter((each) => each.name !== event.value),
         }));
@@ -327,7 +344,7 @@ export class Store {
       case "other": {
         const { time, instance, after, reason } = event.value;
         this.page = { ...this.page, beside: new Map(this.page.beside).set(instance, stateName(after)) };
-        this.line(time, instance, `beside: ${stateName(after)}${reason ? `: ${reason}` : ""}`, "beside");
+        this.line(time, instance, `${t("beside: {state}", { state: stateName(after) })}${reason ? `: ${reason}` : ""}`, "beside");
         break;
       }
       case "statistics":
@@ -375,10 +392,10 @@ export class Store {
         break;
       case "reported":
         this.say(event.value.kind, [event.value.instance, event.value.text].filter(Boolean).join(": "));
-        this.line(event.value.time, event.value.instance, `${event.value.kind}: ${event.value.text}`, FAILURES.includes(event.value.kind) ? "error" : "event");
+        this.line(event.value.time, event.value.instance, `${kindOf(event.value.kind)}: ${event.value.text}`, FAILURES.includes(event.value.kind) ? "error" : "event");
         break;
       case "less":
-        this.page = { ...this.page, notice: `This page is slow: ${event.value.dropped} messages were left out.` };
+        this.page = { ...this.page, notice: t("This page is slow: {count} messages were left out.", { count: event.value.dropped }) };
         break;
       case "reason":
         this.page = { ...this.page, notice: event.value };

@@ -3,12 +3,30 @@
 import type { SplitNode, SplitNodeInput, TabNode, TabsetNode, TabsetNodeInput } from "react-resizable-panels";
 import type { SystemState } from "./protocol/Ui.ts";
 import { linesOf } from "./lines.ts";
+import { t } from "./texts.ts";
 
 /** Views of the selected component, or of the system while none is selected. */
 export const COMPONENT = ["Values", "Connections", "Configuration", "Services"] as const;
 const SYSTEM = ["Plots", "Map", "Drive", "Buses", "Boards", "Console", "Timeline"] as const;
 export const VIEWS = ["Wiring", ...COMPONENT, ...SYSTEM, "Palette"] as const;
 export type View = (typeof VIEWS)[number];
+
+const TITLES: Readonly<Record<View, string>> = {
+  Wiring: t("Wiring"),
+  Values: t("Values"),
+  Connections: t("Connections"),
+  Configuration: t("Configuration"),
+  Services: t("Services"),
+  Plots: t("Plots"),
+  Map: t("Map"),
+  Drive: t("Drive"),
+  Buses: t("Buses"),
+  Boards: t("Boards"),
+  Console: t("Console"),
+  Timeline: t("Timeline"),
+  Palette: t("Palette"),
+};
+export const titleOf = (view: View): string => TITLES[view];
 
 /** Sizes are percentages of the split; those of one that has none are equal. */
 export type Tree = TabsetNodeInput<View> | SplitNodeInput<View>;
@@ -24,7 +42,7 @@ export function hasContent(view: View, system: SystemState, calls: number): bool
   return true;
 }
 
-export const tabOf = (view: View): TabNode<View> => ({ id: view, title: view, data: view });
+export const tabOf = (view: View): TabNode<View> => ({ id: view, title: titleOf(view), data: view });
 
 export function pane(views: readonly View[], size?: number | string, selected?: View): TabsetNodeInput<View> {
   return { type: "tabset", tabs: views.map(tabOf), ...(size !== undefined && { size }), ...(selected && { selectedId: selected }) };
@@ -43,6 +61,9 @@ export const PRESETS: Readonly<Record<string, () => Tree>> = {
   Bus: () => split("horizontal", [pane(["Buses"], 55), split("vertical", [pane(["Wiring"], 50), pane(others("Buses", "Wiring"), 50, "Timeline")], 45)]),
   Compare: () => split("horizontal", [pane(["Plots"], 50), split("vertical", [pane(["Values", ...others("Plots", "Values", "Timeline")], 60), pane(["Timeline"], 40)], 50)]),
 };
+
+/** The names of the presets as people read them. */
+export const LAYOUTS: Readonly<Record<string, string>> = { Wire: t("Wire"), Drive: t("Drive"), Bus: t("Bus"), Compare: t("Compare") };
 
 type Node = TabsetNode<View> | SplitNode<View>;
 

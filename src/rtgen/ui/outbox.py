@@ -8,6 +8,7 @@ from collections.abc import Callable
 from dataclasses import dataclass, field
 from typing import Final
 
+from rtgen.compiler.kit.translation import ENGLISH
 from rtgen.runtime.cdr import CdrError
 from rtgen.ui.protocol.ui import (
     Event,
@@ -17,7 +18,7 @@ from rtgen.ui.protocol.ui import (
     ServerMessage,
     Statistics,
 )
-from rtgen.ui.texts import sendable
+from rtgen.ui.texts import in_language, sendable
 
 MAX_CHANGES: Final = 4096
 """Maximum number of waiting changes; then the page gets the whole state instead."""
@@ -42,7 +43,8 @@ class Outbox:
 
     `full`: the page may change the system. `watched`: the channels whose samples it subscribes to.
     `missed_changes`: the page needs the whole state. `past`: the time that the page shows [s]; None
-    for the present. `owes`: an answer to a request of the page waits.
+    for the present. `owes`: an answer to a request of the page waits. `language`: that of the
+    page's reader, in which it gets texts.
     """
 
     wake: Callable[[], None]
@@ -52,6 +54,7 @@ class Outbox:
     past: float | None = None
     closed: bool = False
     owes: bool = False
+    language: str = ENGLISH
     _lock: threading.Lock = field(default_factory=threading.Lock)
     _changes: deque[Event] = field(default_factory=deque)
     _latest: dict[object, Event] = field(default_factory=dict)
@@ -156,6 +159,8 @@ class Outbox:
             self.owes = False
         if not events:
             return b""
+        if self.language != ENGLISH:
+            events = [in_language(event, self.language) for event in events]
         message = ServerMessage(events=events)
         try:
             return message.to_cdr()

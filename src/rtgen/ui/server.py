@@ -19,11 +19,18 @@ from typing import Any, Final
 from starlette.applications import Starlette
 from starlette.middleware import Middleware
 from starlette.requests import Request
-from starlette.responses import FileResponse, PlainTextResponse, Response
+from starlette.responses import (
+    FileResponse,
+    HTMLResponse,
+    JSONResponse,
+    PlainTextResponse,
+    Response,
+)
 from starlette.routing import Route, WebSocketRoute
 from starlette.types import ASGIApp, Message, Receive, Scope, Send
 from starlette.websockets import WebSocket, WebSocketDisconnect
 
+from rtgen.compiler.kit.translation import ENGLISH, LANGUAGES, language
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.requests import Client, Rates
 from rtgen.ui.commands import Commands
@@ -63,6 +70,8 @@ _MIN_INTERVAL: Final = 1 / 30
 """Minimum interval between two messages to a page [s]."""
 _ASSET: Final = re.compile(r"\w[\w.-]{0,200}", re.ASCII)
 """The name of a file of the built page."""
+_LANG: Final = '<html lang="en">'
+"""What the built page begins with."""
 _HOSTS: Final = ("127.0.0.1", "localhost", "[::1]")
 _HEADERS: Final = (
     (
@@ -128,8 +137,9 @@ def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette
                 pages[right] -= 1
 
     routes = [
-        Route("/", _file(page, lambda _: "index.html")),
+        Route("/", _index(page)),
         Route("/assets/{path:path}", _file(page, lambda r: _asset(r.path_params))),
+        Route("/texts/{language}.json", _texts),
         WebSocketRoute("/socket", socket),
     ]
     return Starlette(routes=routes, middleware=[Middleware(_Guarded)])
@@ -153,6 +163,22 @@ def _asset(parameters: dict[str, Any]) -> str:
     return f"assets/{name}" if _ASSET.fullmatch(name) else ""
 
 
+def _index(page: Path) -> Callable[[Request], Awaitable[Response]]:
+    """Return a handler for the built page, which it tells the language."""
+
+    async def serve(_: Request) -> Response:
+        file = page / "index.html"
+        if not file.is_file():
+            message = "this installation of rtgen has no page: it was not built"
+            return PlainTextResponse(message, 503)
+        if language() == ENGLISH:
+            return FileResponse(file)
+        text = file.read_text(encoding="utf-8")
+        return HTMLResponse(text.replace(_LANG, f'<html lang="{language()}">', 1))
+
+    return serve
+
+
 def _file(
     page: Path, name: Callable[[Request], str]
 ) -> Callable[[Request], Awaitable[Response]]:
@@ -162,12 +188,19 @@ def _file(
         path = page / name(request)
         if path.is_file():
             return FileResponse(path)
-        if path.name == "index.html":
-            message = "this installation of rtgen has no page: it was not built"
-            return PlainTextResponse(message, 503)
         return PlainTextResponse("not found", 404)
 
     return serve
+
+
+def _texts(request: Request) -> Response:
+    """Return the texts of the page in a language."""
+    wanted = request.path_params["language"]
+    if wanted not in LANGUAGES:
+        return PlainTextResponse("not found", 404)
+    from rtgen.compiler.kit.translation.catalogue import texts_of_page
+
+    return JSONResponse(texts_of_page(wanted))
 
 
 class _Guarded:
@@ -205,7 +238,9 @@ async def _serve(
         if not news.is_set() and not loop.is_closed():
             loop.call_soon_threadsafe(news.set)
 
-    outbox = Outbox(wake, full=full)
+    wanted = websocket.query_params.get("language")
+    reading = wanted if wanted in LANGUAGES else ENGLISH
+    outbox = Outbox(wake, full=full, language=reading)
     requests = session.runner.requests
     # A page that may only look gets an answer before its next request is executed.
     client = requests.join(

@@ -1,4 +1,4 @@
-"""Texts for pages: of errors, and without what CDR cannot hold.
+"""Texts for pages: of errors, in the language of a page, and without what CDR cannot hold.
 
 CDR cannot hold NUL, and octets of file names that are not UTF-8.
 """
@@ -6,11 +6,13 @@ CDR cannot hold NUL, and octets of file names that are not UTF-8.
 from __future__ import annotations
 
 import re
+from functools import lru_cache
 from typing import Any, Final
 
 import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.compiler.kit.translation import translated
 from rtgen.runtime.failures import described
 from rtgen.ui.protocol import ui
 
@@ -33,6 +35,71 @@ def sendable(value: Any) -> Any:
             return type(value)(**parts)
         case _:
             return value
+
+
+_TEXTS: Final[dict[type, tuple[str, ...]]] = {
+    ui.BoardCall: ("error",),
+    ui.ClockState: ("reason",),
+    ui.Component: ("reason", "silent"),
+    ui.EditState: ("undo", "redo"),
+    ui.Fit: ("refused",),
+    ui.Flow: ("details",),
+    ui.NamingService: ("silent",),
+    ui.Notice: ("text",),
+    ui.Operation: ("refused",),
+    ui.Result: ("message", "hint", "text"),
+    ui.StateChange: ("reason",),
+    ui.Statistics: ("awaited", "impaired"),
+}
+"""The members of messages that are texts of rtgen; all others are names and values."""
+_WITHOUT: Final = (
+    ui.EventKind.EVENT_SAMPLES,
+    ui.EventKind.EVENT_FRAMES,
+    ui.EventKind.EVENT_TYPES,
+)
+"""Kinds of events without such texts, which are frequent or large."""
+
+
+def in_language(event: ui.Event, language: str) -> ui.Event:
+    """Return an event with the texts of rtgen in a language, and all else as it is."""
+    if event.discriminator in _WITHOUT:
+        return event
+    if event.discriminator is ui.EventKind.EVENT_END:
+        return ui.Event(event.discriminator, _translated(str(event.value), language))
+    return ui.Event(event.discriminator, _in_language(event.value, language))
+
+
+def _in_language(value: Any, language: str) -> Any:
+    match value:
+        case list():
+            return [_in_language(each, language) for each in value]
+        case ui.Result() if value.done and value.reply:
+            return value  # its text is a value
+        case msgspec.Struct():
+            texts = _TEXTS.get(type(value), ())
+            changed = {}
+            for name in value.__struct_fields__:
+                part = getattr(value, name)
+                if name in texts:
+                    changed[name] = _translated(part, language)
+                elif isinstance(part, list | msgspec.Struct):
+                    changed[name] = _in_language(part, language)
+            return msgspec.structs.replace(value, **changed) if changed else value
+        case _:
+            return value
+
+
+@lru_cache(maxsize=2048)
+def _translated(text: str, language: str) -> str:
+    """Return a text in a language, each line and each of several reasons if it is not one text."""
+    if not text:
+        return text
+    found = translated(text, language)
+    for separator in ("\n", "; ", ": "):
+        if found == text and separator in text:
+            parts = text.split(separator)
+            found = separator.join(translated(part, language) for part in parts)
+    return found
 
 
 def placed(finding: Diagnostic) -> str:

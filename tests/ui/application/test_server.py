@@ -317,10 +317,10 @@ def test_pages_beyond_the_limit_are_refused_by_their_rights(
 def test_a_missing_page_is_told(served: Server, tmp_path: Path) -> None:
     from starlette.requests import Request
 
-    from rtgen.ui.server import _file
+    from rtgen.ui.server import _index
 
     request = Request({"type": "http", "path_params": {}, "headers": []})
-    answer = asyncio.run(_file(tmp_path, lambda _: "index.html")(request))
+    answer = asyncio.run(_index(tmp_path)(request))
     assert answer.status_code == 503
 
 

@@ -5,6 +5,7 @@ import * as Window from "@radix-ui/react-dialog";
 import { X } from "lucide-react";
 import type { FormEvent, ReactNode } from "react";
 import { Button } from "./Button.tsx";
+import { t } from "../texts.ts";
 
 export function Dialog({ title, close, children, className = "" }: { title: string; close: () => void; children: ReactNode; className?: string }) {
   return (
@@ -14,7 +15,7 @@ export function Dialog({ title, close, children, className = "" }: { title: stri
         <Window.Content className={`dialog ${className}`} aria-describedby={undefined}>
           <Window.Title>{title}</Window.Title>
           {children}
-          <Button look="plain" className="icon close" aria-label={`Close ${title}`} onClick={close}>
+          <Button look="plain" className="icon close" aria-label={t("Close {title}", { title })} onClick={close}>
             <X size={16} aria-hidden />
           </Button>
         </Window.Content>
@@ -51,7 +52,7 @@ export function Question({ text, name, yes, close, children }: Props) {
             {children}
             <div className="answers">
               <AlertDialog.Cancel asChild>
-                <Button>Cancel</Button>
+                <Button>{t("Cancel")}</Button>
               </AlertDialog.Cancel>
               <Button type="submit" look="primary">
                 {name}

@@ -6,12 +6,14 @@ import { useId } from "react";
 interface Props<Name extends string> {
   label: string;
   names: readonly Name[];
+  /** The name as people read it. */
+  title?: (name: Name) => string;
   shown: Name;
   show: (name: Name) => void;
   children: ReactNode;
 }
 
-export function Tabs<Name extends string>({ label, names, shown, show, children }: Props<Name>) {
+export function Tabs<Name extends string>({ label, names, title = String, shown, show, children }: Props<Name>) {
   const id = useId();
   return (
     <>
@@ -30,11 +32,11 @@ export function Tabs<Name extends string>({ label, names, shown, show, children 
       >
         {names.map((name) => (
           <button key={name} type="button" role="tab" aria-selected={shown === name} {...(shown === name && { "aria-controls": id })} tabIndex={shown === name ? 0 : -1} onClick={() => show(name)}>
-            {name}
+            {title(name)}
           </button>
         ))}
       </div>
-      <div role="tabpanel" id={id} tabIndex={-1} aria-label={shown}>
+      <div role="tabpanel" id={id} tabIndex={-1} aria-label={title(shown)}>
         {children}
       </div>
     </>

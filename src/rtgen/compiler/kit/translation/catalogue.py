@@ -2,6 +2,7 @@
 
 The texts are templates with the insertions `{0}`, `{1}`, in the order of the English text. Messages
 have their values already, so these are found again between the constant parts of the template.
+Texts of the page of `rtgen ui` have the context PAGE, and insertions by name, which it fills in.
 """
 
 from __future__ import annotations
@@ -16,6 +17,10 @@ from typing import NamedTuple
 
 FOLDER = Path(__file__).resolve().parents[3] / "locale"
 DOMAIN = "rtgen"
+PAGE = "page"
+"""The context of the texts of the page of `rtgen ui`."""
+_CONTEXT = "\4"
+"""Between a context and its text in a compiled catalogue."""
 _MAX_DEPTH = 4
 """Insertions that are messages themselves, such as reasons, are translated up to this depth."""
 _MOST_TEXT = 8000
@@ -150,21 +155,32 @@ class _Entries(gettext.GNUTranslations):
 
     _catalog: Mapping[object, str]
 
-    def texts(self) -> dict[str, str]:
-        """Return the translations by their English texts."""
-        return {
-            english: text
-            for english, text in self._catalog.items()
-            if isinstance(english, str) and english
-        }
+    def texts(self, context: str = "") -> dict[str, str]:
+        """Return the translations of a context by their English texts."""
+        found = {}
+        for key, text in self._catalog.items():
+            if isinstance(key, str) and key:
+                before, mark, english = key.rpartition(_CONTEXT)
+                if before == context and bool(mark) == bool(context):
+                    found[english] = text
+        return found
 
 
 @cache
 def catalogue(language: str) -> Catalogue:
     """Return the catalogue of a language; an empty one if it is not installed."""
+    return Catalogue(_texts(language))
+
+
+def texts_of_page(language: str) -> dict[str, str]:
+    """Return the texts of the page in a language by the English ones; none for English."""
+    return _texts(language, PAGE)
+
+
+def _texts(language: str, context: str = "") -> dict[str, str]:
     try:
         entries = gettext.translation(DOMAIN, FOLDER, [language], class_=_Entries)
     except FileNotFoundError:
-        return Catalogue({})
+        return {}
     assert isinstance(entries, _Entries)
-    return Catalogue(entries.texts())
+    return entries.texts(context)
