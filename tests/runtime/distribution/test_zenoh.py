@@ -10,6 +10,7 @@ import signal
 import socket
 import struct
 import subprocess
+import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack, closing, nullcontext, suppress
 from pathlib import Path
@@ -32,8 +33,10 @@ from refrobots._idl.basic_data_type import TimedDouble
 from rtgen.cli import run as rtgen
 from rtgen.runtime.distribution.medium import (
     MediumError,
+    Publisher,
     PublishTimeoutError,
     Qos,
+    Sample,
     Topic,
 )
 from rtgen.runtime.distribution.peers import Presence
@@ -213,6 +216,51 @@ def test_garbage_is_counted_and_harms_nobody(
 
 def _any() -> str:
     return "tcp/127.0.0.1:0"
+
+
+def test_samples_of_several_links_come_one_by_one_without_a_thread_for_them(
+    stack: ExitStack, locator: str
+) -> None:
+    here = stack.enter_context(
+        closing(ZenohMedium("plain", Endpoints(listen=(locator,))))
+    )
+    others = [
+        stack.enter_context(
+            closing(ZenohMedium("plain", Endpoints(connect=(locator,))))
+        )
+        for _ in range(3)
+    ]
+    topic, number = Topic("t", TimedDouble), 50
+    taken: dict[object, list[int | None]] = {}
+    at_once: list[int] = []
+    together = threading.Semaphore(1)
+
+    def on_sample(sample: Sample) -> None:
+        if not together.acquire(blocking=False):
+            at_once.append(1)
+            return
+        taken.setdefault(sample.source, []).append(sample.sequence)
+        together.release()
+
+    here.subscribe(topic, Qos(depth=number), on_sample)
+    mine = here.publisher(topic, Qos())
+    mine.publish(HEADER)
+    assert [*taken.values()] == [[0]]  # by the sender itself
+    publishers = [other.publisher(topic, Qos(depth=number)) for other in others]
+    until(lambda: all(publisher.matched for publisher in publishers))
+
+    def send(publisher: Publisher) -> None:
+        for _ in range(number):
+            publisher.publish(HEADER)
+
+    senders = [threading.Thread(target=send, args=(p,)) for p in publishers]
+    for sender in senders:
+        sender.start()
+    for sender in senders:
+        sender.join()
+    until(lambda: sum(map(len, taken.values())) == 1 + 3 * number or bool(at_once))
+    assert not at_once
+    assert sorted(taken.values(), key=len)[1:] == [list(range(number))] * 3
 
 
 def test_a_router_that_is_started_again_is_found(

@@ -85,6 +85,7 @@ class ZenohMedium(ZenohEngine):
                 kept_samples(qos) if qos.durable else None,
                 qos.deadline,
                 self._keys.flow(topic, uuid.uuid4().hex) if qos.depth is None else None,
+                waits=qos.depth is None,
             )
 
     def serve(

@@ -7,6 +7,7 @@ without rtgen need none.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable
 from typing import Any
 
@@ -120,11 +121,15 @@ class ZenohSubscription:
         history: int | None = None,
         deadline: float | None = None,
         flow: str | None = None,
+        *,
+        waits: bool = True,
     ) -> None:
         """Declare it.
 
         `history`: number of samples of the past, None for a volatile one; `deadline` [s] as in
-        `Qos`; `flow`: key of the acknowledgements of one that keeps all samples.
+        `Qos`; `flow`: key of the acknowledgements of one that keeps all samples; `waits`: whether
+        `on_sample` may wait, and so has a thread of its own. Else it is called in the threads that
+        read from links, which spares a change of threads for each sample.
         """
         self._on_sample = on_sample
         self._deadline = Deadline(deadline)
@@ -143,8 +148,14 @@ class ZenohSubscription:
                     max_samples=history,
                 ),
             )
-        else:
+        elif waits:
             subscriber = session.declare_subscriber(key, self._received)
+        else:
+            self._one_by_one = threading.RLock()
+            handler: Any = zenoh.handlers.Callback(
+                self._received_directly, indirect=False
+            )
+            subscriber = session.declare_subscriber(key, handler)
         self._declared = Declared(session, subscriber)
 
     def add(self, declaration: Any) -> None:
@@ -155,6 +166,11 @@ class ZenohSubscription:
     def missed_deadlines(self) -> int:
         """See `medium.Subscription`."""
         return self._deadline.missed
+
+    def _received_directly(self, received: zenoh.Sample) -> None:
+        # Each link has a thread, and a sender in this process its own.
+        with self._one_by_one:
+            self._received(received)
 
     def _received(self, received: zenoh.Sample) -> None:
         if self._closed or received.kind != zenoh.SampleKind.PUT:
