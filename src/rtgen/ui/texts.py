@@ -12,7 +12,6 @@ from typing import Any, Final
 import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
-from rtgen.compiler.kit.translation import translated
 from rtgen.runtime.failures import described
 from rtgen.ui.protocol import ui
 
@@ -94,11 +93,13 @@ def _translated(text: str, language: str) -> str:
     """Return a text in a language, each line and each of several reasons if it is not one text."""
     if not text:
         return text
-    found = translated(text, language)
-    for separator in ("\n", "; ", ": "):
+    from rtgen.compiler.kit.translation.catalogue import SERVER, catalogue
+
+    texts = catalogue(language, SERVER)
+    found = texts.translated(text)
+    for separator in ("\n", "; ", ", ", ": "):
         if found == text and separator in text:
-            parts = text.split(separator)
-            found = separator.join(translated(part, language) for part in parts)
+            found = separator.join(map(texts.translated, text.split(separator)))
     return found
 
 

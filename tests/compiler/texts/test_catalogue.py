@@ -17,9 +17,9 @@ import pytest
 from babel.messages.catalog import Catalog
 from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po
-from update import OTHERS
+from update import texts
 
-from rtgen.compiler.kit.translation.catalogue import FOLDER, Catalogue
+from rtgen.compiler.kit.translation.catalogue import FOLDER, PAGE, SERVER, Catalogue
 
 JA = FOLDER / "ja" / "LC_MESSAGES" / "rtgen.po"
 GOLDEN = extraction.ROOT / "tests" / "golden"
@@ -44,7 +44,9 @@ def ja() -> Catalog:
 
 @cache
 def catalogue() -> Catalogue:
-    return Catalogue({str(m.id): str(m.string) for m in ja() if m.id and m.string})
+    return Catalogue(
+        {str(m.id): str(m.string) for m in ja() if m.id and m.string and not m.context}
+    )
 
 
 def covered() -> set[str]:
@@ -55,11 +57,11 @@ def covered() -> set[str]:
 
 
 def test_the_rules_of_the_catalogue_are_written_in_japanese() -> None:
-    texts = {m.id for m in ja() if m.string}
+    entries = {m.id for m in ja() if m.string and not m.context}
     written = extraction.written_texts()
     rules = covered()
     missing = [
-        (c, text) for c in sorted(rules) for text in written[c] if text not in texts
+        (c, text) for c in sorted(rules) for text in written[c] if text not in entries
     ]
     assert not missing
     assert len(rules) >= LEAST_RULES
@@ -67,11 +69,39 @@ def test_the_rules_of_the_catalogue_are_written_in_japanese() -> None:
 
 def test_entries_follow_the_english_texts() -> None:
     """An entry whose English text was changed, or is gone, has to be translated anew."""
-    texts = set(extraction.texts_of_sources())
-    texts |= {text for each in extraction.written_texts().values() for text in each}
-    texts |= set(OTHERS)
-    assert [m.id for m in ja() if m.id and m.id not in texts] == []
+    known = texts(None)
+    assert [m.id for m in ja() if m.id and not m.context and m.id not in known] == []
     assert not ja().obsolete
+    assert {m.context for m in ja()} == {None, SERVER, PAGE}
+
+
+def test_what_the_server_of_a_page_says_is_written_in_japanese() -> None:
+    entries = {str(m.id) for m in ja() if m.context == SERVER}
+    assert entries == extraction.said_by_server()
+
+
+@pytest.fixture
+def page() -> dict[str, list[tuple[str, str]]]:
+    try:
+        return extraction.page()
+    except LookupError as error:
+        pytest.skip(str(error))
+
+
+@pytest.mark.peer
+def test_each_text_of_the_page_goes_through_the_catalogue(
+    page: dict[str, list[tuple[str, str]]],
+) -> None:
+    """A text of JSX, of a seen attribute, or with words, which is no argument of `t` or `rich`."""
+    assert page["flaws"] == []
+
+
+@pytest.mark.peer
+def test_the_texts_of_the_page_are_those_of_the_catalogue(
+    page: dict[str, list[tuple[str, str]]],
+) -> None:
+    english = {text for _, text in page["texts"]}
+    assert {str(m.id) for m in ja() if m.context == PAGE} == english
 
 
 def test_no_entry_is_empty_or_fuzzy() -> None:
@@ -152,7 +182,7 @@ def test_what_the_golden_cases_show_is_said_in_japanese() -> None:
     ],
 )
 def test_insertions_are_found_and_inserted(english: str, japanese: str) -> None:
-    texts = Catalogue(
+    sample = Catalogue(
         {
             "plain": "文",
             "is too long": "は長すぎる",
@@ -162,11 +192,11 @@ def test_insertions_are_found_and_inserted(english: str, japanese: str) -> None:
             "{0}{1}": "never {0}{1}",
         }
     )
-    assert texts.translated(english) == japanese
+    assert sample.translated(english) == japanese
 
 
 def test_a_hostile_text_takes_time_in_proportion_to_its_length() -> None:
     """A template is compared from left to right once, whatever the insertions contain."""
-    texts = Catalogue({"{0} a {1} a {2} a {3} a {4} b": "{0}{1}{2}{3}{4}"})
+    sample = Catalogue({"{0} a {1} a {2} a {3} a {4} b": "{0}{1}{2}{3}{4}"})
     text = " a " * 2000
-    assert texts.translated(text) == text
+    assert sample.translated(text) == text

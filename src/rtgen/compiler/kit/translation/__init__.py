@@ -51,17 +51,13 @@ def _of_locale() -> str:
     return name if name in LANGUAGES else ENGLISH
 
 
-def translated(text: str, to: str | None = None) -> str:
-    """Return a text in a language, else in that of the process.
-
-    In English if the catalogue does not have it.
-    """
-    to = to or language()
-    if to == ENGLISH:
+def translated(text: str) -> str:
+    """Return a text in the language; in English if the catalogue does not have it."""
+    if language() == ENGLISH:
         return text
     from rtgen.compiler.kit.translation.catalogue import catalogue
 
-    return catalogue(to).translated(text)
+    return catalogue(language()).translated(text)
 
 
 def translated_page(page: str) -> str:

@@ -19,6 +19,8 @@ FOLDER = Path(__file__).resolve().parents[3] / "locale"
 DOMAIN = "rtgen"
 PAGE = "page"
 """The context of the texts of the page of `rtgen ui`."""
+SERVER = "server"
+"""The context of what its server says to pages: names of edits, such as `move {0}`, are short."""
 _CONTEXT = "\4"
 """Between a context and its text in a compiled catalogue."""
 _MAX_DEPTH = 4
@@ -167,9 +169,12 @@ class _Entries(gettext.GNUTranslations):
 
 
 @cache
-def catalogue(language: str) -> Catalogue:
-    """Return the catalogue of a language; an empty one if it is not installed."""
-    return Catalogue(_texts(language))
+def catalogue(language: str, context: str = "") -> Catalogue:
+    """Return the catalogue of a language, with the texts of a context beside those of none.
+
+    It is empty if it is not installed.
+    """
+    return Catalogue({**_texts(language), **_texts(language, context)})
 
 
 def texts_of_page(language: str) -> dict[str, str]:
