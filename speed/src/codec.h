@@ -11,6 +11,10 @@
 #include <stdint.h>
 #include <string.h>
 
+#if defined(__GNUC__)
+#pragma GCC visibility push(hidden)  /* calls between the parts need no table of symbols */
+#endif
+
 #define MAX_DEPTH 100
 /* Deeper values are left to Python, whose recursion limit holds. */
 
@@ -139,6 +143,12 @@ ALWAYS uint64_t swap64(uint64_t n) {
     return (uint64_t)swap32((uint32_t)n) << 32 | swap32((uint32_t)(n >> 32));
 }
 
+ALWAYS uint64_t load_word(const void *at) {
+    uint64_t word;
+    memcpy(&word, at, 8);
+    return word;
+}
+
 enum { HAS_NUL = 1, HAS_HIGH = 2 };
 
 ALWAYS int seen_in(uint64_t word) {
@@ -169,26 +179,29 @@ ALWAYS int scan(const char *octets, Py_ssize_t count) {
     return seen | seen_in(word);
 }
 
-/* `memcpy` of octets that are mostly few. */
-ALWAYS void copy_few(char *at, const char *octets, Py_ssize_t count) {
-    if (count >= 4 && count <= 16) {
-        char first[8], last[8];
-        if (count < 8) {
-            memcpy(first, octets, 4);
-            memcpy(last, octets + count - 4, 4);
-            memcpy(at, first, 4);
-            memcpy(at + count - 4, last, 4);
-        } else {
-            memcpy(first, octets, 8);
-            memcpy(last, octets + count - 8, 8);
-            memcpy(at, first, 8);
-            memcpy(at + count - 8, last, 8);
-        }
-    } else {
+/* `memcpy` of octets that are mostly few; returns what `scan` does. */
+ALWAYS int copy_few(char *at, const char *octets, Py_ssize_t count) {
+    if (count < 8 || count > 32) {
         memcpy(at, octets, count);
+        return scan(octets, count);
     }
+    uint64_t first = load_word(octets), last = load_word(octets + count - 8);
+    int seen = seen_in(first) | seen_in(last);
+    if (count > 16) {
+        uint64_t second = load_word(octets + 8), third = load_word(octets + count - 16);
+        seen |= seen_in(second) | seen_in(third);
+        memcpy(at + 8, &second, 8);
+        memcpy(at + count - 16, &third, 8);
+    }
+    memcpy(at, &first, 8);
+    memcpy(at + count - 8, &last, 8);
+    return seen;
 }
 
 void swap_all(char *at, Py_ssize_t count, Py_ssize_t size);
+
+#if defined(__GNUC__)
+#pragma GCC visibility pop
+#endif
 
 #endif

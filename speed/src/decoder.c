@@ -344,13 +344,52 @@ static PyObject *take_repeated(Reader *r, const Node *node) {
     return list;
 }
 
+#define CACHED_KEYS 256
+#define LONGEST_KEY 32
+
+static PyObject *cached_keys[CACHED_KEYS];
+
+/* A string that is a key of a map; keys come again and again, and a string keeps its hash. */
+static PyObject *take_key(Reader *r, const Node *node) {
+    Py_ssize_t before = r->position, count;
+    if (node->kind != TEXT || node->form != STRING) return take(r, node);
+    if (take_count(r, &count) || count > r->end - r->position) return NULL;
+    const char *octets = (const char *)r->data + r->position;
+    r->position = before;
+    if (count < 9 || count > LONGEST_KEY + 1 || octets[count - 1]) return take_text(r, node);
+    uint64_t hash = count;
+    for (Py_ssize_t i = 0; i < count - 8; i += 8) hash = (hash ^ load_word(octets + i)) * 0x9E3779B97F4A7C15u;
+    hash = (hash ^ load_word(octets + count - 8)) * 0x9E3779B97F4A7C15u;
+    PyObject **place = &cached_keys[hash >> 56], *key = *place;
+    if (key != NULL && PyUnicode_GET_LENGTH(key) == count - 1 && !memcmp(PyUnicode_1BYTE_DATA(key), octets, count - 1) &&
+        (node->bound < 0 || count <= node->bound)) {
+        begin(r, 4, 4);
+        r->position += 4 + count;
+        return Py_NewRef(key);
+    }
+    key = take_text(r, node);
+    if (key != NULL && PyUnicode_IS_COMPACT_ASCII(key)) {
+        PyObject *older = *place;
+        *place = Py_NewRef(key);
+        Py_XDECREF(older);
+    }
+    return key;
+}
+
+#if PY_VERSION_HEX < 0x030D0000
+#define MOST_PRESIZED 1024
+static PyObject *new_map(Py_ssize_t count) { return _PyDict_NewPresized(count < MOST_PRESIZED ? count : MOST_PRESIZED); }
+#else
+static PyObject *new_map(Py_ssize_t count) { return PyDict_New(); }
+#endif
+
 static PyObject *take_map(Reader *r, const Node *node) {
     Py_ssize_t count;
     if (take_repetitions(r, node, &count)) return NULL;
-    PyObject *map = PyDict_New();
+    PyObject *map = new_map(count);
     for (Py_ssize_t i = 0; map != NULL && i < count; i++) {
-        PyObject *key = take(r, node->key);
-        PyObject *item = key == NULL ? NULL : take(r, node->child);
+        PyObject *key = take_key(r, node->key);
+        PyObject *item = key == NULL ? NULL : node->child->kind <= HOOK ? take_atom(r, node->child) : take(r, node->child);
         if (item == NULL || PyDict_SetItem(map, key, item)) Py_CLEAR(map);
         Py_XDECREF(key);
         Py_XDECREF(item);
@@ -585,7 +624,7 @@ PyObject *take(Reader *r, const Node *node) {
     if (node->kind <= HOOK) return take_atom(r, node);
     if (node->kind == TEXT) return take_text(r, node);
     if (++r->depth > MAX_DEPTH) return NULL;
-    PyObject *value = take_nested(r, node);
+    PyObject *value = node->kind == STRUCT ? take_struct(r, node) : take_nested(r, node);
     r->depth--;
     return value;
 }

@@ -34,6 +34,14 @@ ALWAYS int begin(Writer *w, Py_ssize_t align, Py_ssize_t size) {
     return 0;
 }
 
+/* The same without a branch, which would often be predicted wrongly after a text. */
+ALWAYS int begin_text(Writer *w, Py_ssize_t size) {
+    if (reserve(w, size + 8)) return -1;
+    memset(w->at + w->position, 0, 4);
+    w->position += (w->base - w->position) & 3;
+    return 0;
+}
+
 ALWAYS void store32(char *at, uint32_t n, int swap) {
     if (swap) n = swap32(n);
     memcpy(at, &n, 4);
@@ -56,6 +64,19 @@ static int put_octets(Writer *w, const char *octets, Py_ssize_t count) {
     memcpy(w->at + w->position, octets, count);
     w->position += count;
     return 0;
+}
+
+/* Returns whether an integer has one digit, and so needs no call. */
+ALWAYS int is_small(PyObject *value, long long *number) {
+#if PY_VERSION_HEX >= 0x030C0000
+    if (!PyUnstable_Long_IsCompact((PyLongObject *)value)) return 0;
+    *number = PyUnstable_Long_CompactValue((PyLongObject *)value);
+#else
+    Py_ssize_t size = Py_SIZE(value);
+    if (size < -1 || size > 1) return 0;
+    *number = size ? size * (long long)((PyLongObject *)value)->ob_digit[0] : 0;
+#endif
+    return 1;
 }
 
 /* Stores a number of a kind of at most FLOAT64 at `at`. */
@@ -92,9 +113,12 @@ ALWAYS int store(int kind, char *at, PyObject *value, int swap) {
         memcpy(at, &bits, 8);
         return 0;
     }
-    int overflow;
-    long long number = PyLong_AsLongLongAndOverflow(value, &overflow);
-    if (overflow || (number == -1 && PyErr_Occurred())) return -1;
+    long long number;
+    if (!is_small(value, &number)) {
+        int overflow;
+        number = PyLong_AsLongLongAndOverflow(value, &overflow);
+        if (overflow || (number == -1 && PyErr_Occurred())) return -1;
+    }
     if (kind == INT64) {
         uint64_t bits = (uint64_t)number;
         if (swap) bits = swap64(bits);
@@ -329,11 +353,10 @@ static int put_bytes(Writer *w, const Node *node, PyObject *value) {
 }
 
 ALWAYS int put_utf8(Writer *w, const Node *node, const char *octets, Py_ssize_t count) {
-    if (scan(octets, count) & HAS_NUL || (node->bound >= 0 && count + 1 > node->bound)) return -1;
-    if (count >= UINT32_MAX || begin(w, 4, 4 + count + 1)) return -1;
+    if ((node->bound >= 0 && count + 1 > node->bound) || count >= UINT32_MAX || begin_text(w, 4 + count + 1)) return -1;
     char *at = w->at + w->position;
     store32(at, (uint32_t)count + 1, w->swap);
-    copy_few(at + 4, octets, count);
+    if (copy_few(at + 4, octets, count) & HAS_NUL) return -1;
     at[4 + count] = 0;
     w->position += 4 + count + 1;
     return 0;
@@ -376,8 +399,7 @@ static Py_ssize_t store_units(char *at, PyObject *value, int swap, int words) {
     switch (PyUnicode_KIND(value)) {
     case PyUnicode_1BYTE_KIND:
         if (scan(data, length) & HAS_NUL) return -1;
-        if (swap || words) for (Py_ssize_t i = 0; i < length; i++) store_unit(at, i, ((const Py_UCS1 *)data)[i], swap, words);
-        else for (Py_ssize_t i = 0; i < length; i++) store16(at + 2 * i, ((const Py_UCS1 *)data)[i], 0);
+        for (Py_ssize_t i = 0; i < length; i++) store_unit(at, i, ((const Py_UCS1 *)data)[i], swap, words);
         return length;
     case PyUnicode_2BYTE_KIND:
         if (swap || words) return units_of(PyUnicode_2BYTE_KIND, data, length, at, swap, words);
@@ -386,8 +408,35 @@ static Py_ssize_t store_units(char *at, PyObject *value, int swap, int words) {
     }
 }
 
-static int put_wide(Writer *w, const Node *node, PyObject *value) {
-    if (!PyUnicode_CheckExact(value)) return -1;
+/* Four octets, each followed by a zero, in the order of a little-endian machine. */
+ALWAYS uint64_t spread(const Py_UCS1 *octets) {
+    uint32_t few;
+    memcpy(&few, octets, 4);
+    uint64_t word = few;
+    word = (word | word << 16) & 0x0000FFFF0000FFFFu;
+    return (word | word << 8) & 0x00FF00FF00FF00FFu;
+}
+
+/* A `wstring` of four or more characters up to U+00FF: its count, a byte order mark, its units. */
+static int put_narrow(Writer *w, const Node *node, const Py_UCS1 *data, Py_ssize_t length) {
+    const uint64_t ones = 0x0001000100010001u, highs = 0x8000800080008000u;
+    Py_ssize_t count = 2 + 2 * length;
+    if ((node->bound >= 0 && count > node->bound) || count > UINT32_MAX || begin_text(w, 4 + count)) return -1;
+    char *at = w->at + w->position + 6;
+    store32(at - 6, (uint32_t)count, w->swap);
+    store16(at - 2, 0xFEFF, 0);
+    w->position += 4 + count;
+    uint64_t word = spread(data + length - 4), nul = word - ones;
+    memcpy(at + 2 * (length - 4), &word, 8);
+    for (Py_ssize_t i = 0; i < length - 4; i += 4) {
+        word = spread(data + i);
+        nul |= word - ones;
+        memcpy(at + 2 * i, &word, 8);
+    }
+    return nul & highs ? -1 : 0;
+}
+
+static int put_units(Writer *w, const Node *node, PyObject *value) {
     Py_ssize_t length = PyUnicode_GET_LENGTH(value), place = w->position, mark = 0;
     int words = node->kind == WORDS, swap = w->swap;
     if (length > PY_SSIZE_T_MAX / 32 || begin(w, 4, 4 + 2 + 8 * length)) return -1;
@@ -409,6 +458,13 @@ static int put_wide(Writer *w, const Node *node, PyObject *value) {
     return 0;
 }
 
+static int put_wide(Writer *w, const Node *node, PyObject *value) {
+    if (!PyUnicode_CheckExact(value)) return -1;
+    if (PY_LITTLE_ENDIAN && node->kind == TEXT && node->form == WIDE_STRING && PyUnicode_KIND(value) == PyUnicode_1BYTE_KIND &&
+        PyUnicode_GET_LENGTH(value) >= 4) return put_narrow(w, node, PyUnicode_1BYTE_DATA(value), PyUnicode_GET_LENGTH(value));
+    return put_units(w, node, value);
+}
+
 static int put_text(Writer *w, const Node *node, PyObject *value) {
     switch (node->form) {
     case OCTETS: return put_bytes(w, node, value);
@@ -422,11 +478,11 @@ static int put_repeated(Writer *w, const Node *node, PyObject *value) {
     if (!PyList_CheckExact(value) && !PyTuple_CheckExact(value)) return -1;
     Py_ssize_t count = PySequence_Fast_GET_SIZE(value);
     if (node->length >= 0 ? count != node->length : (node->bound >= 0 && count > node->bound) || put_count(w, count)) return -1;
-    int strings = node->child->kind == TEXT && node->child->form == STRING;
+    int kind = node->child->kind == TEXT ? (node->child->form == STRING ? 2 : 1) : 0;
     for (Py_ssize_t i = 0; i < count; i++) {
         if (PySequence_Fast_GET_SIZE(value) != count) return -1;
         PyObject *item = Py_NewRef(PySequence_Fast_GET_ITEM(value, i));
-        int failed = strings ? put_string(w, node->child, item) : put(w, node->child, item);
+        int failed = kind == 2 ? put_string(w, node->child, item) : kind ? put_text(w, node->child, item) : put(w, node->child, item);
         Py_DECREF(item);
         if (failed) return -1;
     }
@@ -439,10 +495,12 @@ static int put_map(Writer *w, const Node *node, PyObject *value) {
     if ((node->bound >= 0 && count > node->bound) || put_count(w, count)) return -1;
     PyObject *key, *item;
     Py_ssize_t seen = 0;
+    int strings = node->key->kind == TEXT && node->key->form == STRING, atoms = node->child->kind <= HOOK;
     while (PyDict_Next(value, &place, &key, &item)) {
         Py_INCREF(key);
         Py_INCREF(item);
-        int failed = ++seen > count || put(w, node->key, key) || put(w, node->child, item);
+        int failed = ++seen > count || (strings ? put_string(w, node->key, key) : put(w, node->key, key)) ||
+                     (atoms ? put_atom(w, node->child, item) : put(w, node->child, item));
         Py_DECREF(key);
         Py_DECREF(item);
         if (failed || PyDict_GET_SIZE(value) != count) return -1;
@@ -462,7 +520,7 @@ static int put_struct(Writer *w, const Node *node, PyObject *value) {
         const Node *child = node->members[i].node;
         PyObject *inner = attribute(node, &node->members[i], value);
         if (inner == NULL) return -1;
-        int failed = child->kind <= HOOK ? put_atom(w, child, inner) : put(w, child, inner);
+        int failed = child->kind <= HOOK ? put_atom(w, child, inner) : child->kind == TEXT ? put_text(w, child, inner) : put(w, child, inner);
         Py_DECREF(inner);
         if (failed) return -1;
     }
@@ -583,7 +641,7 @@ int put(Writer *w, const Node *node, PyObject *value) {
     if (node->kind <= HOOK) return put_atom(w, node, value);
     if (node->kind == TEXT) return put_text(w, node, value);
     if (++w->depth > MAX_DEPTH) return -1;
-    int failed = put_nested(w, node, value);
+    int failed = node->kind == STRUCT ? put_struct(w, node, value) : put_nested(w, node, value);
     w->depth--;
     return failed;
 }

@@ -131,6 +131,10 @@ static PyObject *codec_call(PyObject *callable, PyObject *const *args, size_t na
     Py_ssize_t given = PyVectorcall_NARGS(nargsf);
     PyObject *result = NULL;
     int little;
+    if (self->mode == ENCODE && given == 1 && names == NULL) {
+        result = encode(self, args[0], 1);
+        return result != NULL ? result : in_python(self, args, nargsf, names);
+    }
     switch (self->mode) {
     case ENCODE:
         little = order_of(args, given, 1, names);
