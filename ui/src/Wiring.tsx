@@ -172,8 +172,9 @@ const FAR = 0.75;
 function Distance({ of }: { of: RefObject<HTMLElement | null> }) {
   const zoom = useStore(({ transform }) => transform[2]);
   useLayoutEffect(() => {
-    of.current!.style.setProperty("--zoom", String(zoom));
-    of.current!.classList.toggle("far", zoom < FAR);
+    // The first zoom is 1, and the wiring's element comes after it.
+    of.current?.style.setProperty("--zoom", String(zoom));
+    of.current?.classList.toggle("far", zoom < FAR);
   }, [of, zoom]);
   return null;
 }
@@ -182,6 +183,7 @@ const MAP = { width: 160, height: 110 };
 
 const edgeTypes = { wire: WireLine };
 const NONE: ReadonlySet<string> = new Set();
+const UNPLACED: Wire[] = [];
 /** The name of a connection that the timeline will make, which no connection has. */
 const plannedName = (number: number): string => `\0${number}`;
 /** Wires are routed in parts of this duration, between which the page goes on [ms]. */
@@ -282,7 +284,6 @@ export const Wiring = memo(function Wiring(props: {
   }, [connections]);
 
   useEffect(() => {
-    if (!places) return;
     setNodes((before) => {
       const known = new Map(before.map((node) => [node.id, node]));
       const boxes = components.map((component): Box => {
@@ -292,11 +293,13 @@ export const Wiring = memo(function Wiring(props: {
           ...old,
           id,
           type: "component" as const,
-          position: old?.dragging ? old.position : (steered.current.get(id) ?? places.of.get(component.instance) ?? { x: 0, y: 0 }),
+          position: old?.dragging ? old.position : (steered.current.get(id) ?? places?.of.get(component.instance) ?? { x: 0, y: 0 }),
           ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? t("does not answer") : stateOf(component)}`,
           data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits, joined: joined.get(component.instance) ?? NONE },
         };
       });
+      // The boxes are made while the layout looks for their places.
+      if (!places) return boxes;
       const sizes = new Map(components.map((each) => [each.instance, size(each)]));
       const buses = lines.map((line, i): BusNode => {
         const { at, width, middles } = places.rails[i]!;
@@ -509,7 +512,7 @@ export const Wiring = memo(function Wiring(props: {
   return (
     <section
       ref={section}
-      className="wiring"
+      className={arrangement ? "wiring" : "wiring unplaced"}
       aria-label={t("Wiring")}
       aria-busy={arrangement?.shape !== shape}
       onDragOver={(e) => {
@@ -539,11 +542,10 @@ export const Wiring = memo(function Wiring(props: {
         }
       }}
     >
-      {arrangement && (
         <Inspecting.Provider value={inspect}>
         <ReactFlow
           nodes={nodes}
-          edges={edges}
+          edges={arrangement ? edges : UNPLACED}
           nodeTypes={nodeTypes}
           edgeTypes={edgeTypes}
           onInit={setFlow}
@@ -641,7 +643,6 @@ export const Wiring = memo(function Wiring(props: {
           )}
         </ReactFlow>
         </Inspecting.Provider>
-      )}
       {!components.length && (
         <div className="empty over">
           <strong>{t("This system has no components yet.")}</strong>

@@ -11,6 +11,9 @@ function parts(): Map<string, string> {
   return new Map(pairs.map(([, name, text]) => [name!, text!]));
 }
 
+/** Whether the page of all components is shown, which needs no server. */
+export const isGallery = (): boolean => location.hash === "#components";
+
 export function stated(name: Name): string {
   try {
     return decodeURIComponent(parts().get(name) ?? "");

@@ -94,8 +94,7 @@ class Recorded:
     def join(self, page: Outbox) -> None:
         """Send a new page the greeting and the end of the recording."""
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=False)
-        page.put(ui.Event.of_greeting(hello))
-        self._look(page, self.history.last)
+        self._look(page, self.history.last, ui.Event.of_greeting(hello))
 
     def leave(self, page: Outbox) -> None:
         """Do nothing: pages have no state here."""
@@ -132,6 +131,7 @@ class Recorded:
             result.message = str(error)
         page.put(ui.Event.of_outcome(result))
 
-    def _look(self, page: Outbox, time: float) -> None:
+    def _look(self, page: Outbox, time: float, *first: ui.Event) -> None:
         now = self.history.nearest(time)
-        page.show(self.history.at(now, self._types.nodes, page.watched), now)
+        events = self.history.at(now, self._types.nodes, page.watched)
+        page.show([*first, *events], now)

@@ -82,9 +82,10 @@ _HEADERS: Final = (
     ),
     (b"x-content-type-options", b"nosniff"),
     (b"referrer-policy", b"no-referrer"),
-    (b"cache-control", b"no-store"),
 )
-
+_NEWEST: Final = (b"cache-control", b"no-store")
+_LASTING: Final = (b"cache-control", b"public, max-age=31536000, immutable")
+"""The names of assets contain hashes of their contents."""
 
 _LEFT: Final = (WebSocketDisconnect, OSError, RuntimeError)
 """Exceptions of sending to a page that has left."""
@@ -118,9 +119,7 @@ def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette
             await asyncio.sleep(min(joining.delay(None, 1), _LONGEST_JOIN))
         offered = websocket.scope.get("subprotocols", ())
         # A page can only read the code of a socket that was open, which needs its protocol.
-        await websocket.accept(
-            subprotocol=SUBPROTOCOL if SUBPROTOCOL in offered else None
-        )
+        await websocket.accept(subprotocol=SUBPROTOCOL if SUBPROTOCOL in offered else None)
         if not is_same_origin(websocket.headers):
             await websocket.close(WRONG_ORIGIN)
         elif right is None:
@@ -179,9 +178,7 @@ def _index(page: Path) -> Callable[[Request], Awaitable[Response]]:
     return serve
 
 
-def _file(
-    page: Path, name: Callable[[Request], str]
-) -> Callable[[Request], Awaitable[Response]]:
+def _file(page: Path, name: Callable[[Request], str]) -> Callable[[Request], Awaitable[Response]]:
     """Return a handler for files of the page's folder, and no others."""
 
     async def serve(request: Request) -> Response:
@@ -216,7 +213,9 @@ class _Guarded:
 
         async def send_guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
-                message["headers"] = [*message["headers"], *_HEADERS]
+                is_asset = message["status"] < 400 and scope["path"].startswith("/assets/")
+                cached = _LASTING if is_asset else _NEWEST
+                message["headers"] = [*message["headers"], *_HEADERS, cached]
             await send(message)
 
         if is_same_origin(Request(scope).headers):
@@ -226,9 +225,7 @@ class _Guarded:
             await refusal(scope, receive, send_guarded)
 
 
-async def _serve(
-    websocket: WebSocket, session: Served, commands: _Commands, *, full: bool
-) -> None:
+async def _serve(websocket: WebSocket, session: Served, commands: _Commands, *, full: bool) -> None:
     """Exchange messages with a page until it leaves."""
     loop = asyncio.get_running_loop()
     news = asyncio.Event()
@@ -243,9 +240,7 @@ async def _serve(
     outbox = Outbox(wake, full=full, language=reading)
     requests = session.runner.requests
     # A page that may only look gets an answer before its next request is executed.
-    client = requests.join(
-        _WAITING[full], first=full, ready=lambda: full or not outbox.owes
-    )
+    client = requests.join(_WAITING[full], first=full, ready=lambda: full or not outbox.owes)
     page = _Page(websocket, session, commands, outbox, client)
     client.put(lambda: session.join(outbox))
     # A page that has left ends one of them, perhaps while the other one waits.
@@ -329,6 +324,4 @@ class _Page:
 
 
 def _failure(request: int, code: str, message: str) -> ui.Event:
-    return ui.Event.of_outcome(
-        ui.Result(request=request, done=False, code=code, message=message)
-    )
+    return ui.Event.of_outcome(ui.Result(request=request, done=False, code=code, message=message))

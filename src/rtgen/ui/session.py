@@ -262,8 +262,7 @@ class Session:
     def join(self, page: Outbox) -> None:
         """Send a new page the greeting and the whole state."""
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=page.full)
-        page.put(ui.Event.of_greeting(hello))
-        self.look(page, -1.0)
+        self.look(page, -1.0, ui.Event.of_greeting(hello))
         self.pages.add(page)
 
     def leave(self, page: Outbox) -> None:
@@ -290,10 +289,10 @@ class Session:
         until = self.now if page.past is None else page.past
         page.show_more(self.history.samples(until, added))
 
-    def look(self, page: Outbox, time: float) -> None:
+    def look(self, page: Outbox, time: float, *first: ui.Event) -> None:
         """Show a page the run as of a time [s]; negative: the present, from now on.
 
-        The run continues.
+        Events before it arrive in the same message. The run continues.
         """
         self.history.reach(self.now)
         now = self.history.nearest(self.now if time < 0 else time)
@@ -307,7 +306,7 @@ class Session:
             own = [each for each in whole.channels if not each.beside]
             whole.beside, whole.keeps = self.name_beside, self.keeps
             whole.channels = [*own, *beside]
-        page.show(events, None if time < 0 else now)
+        page.show([*first, *events], None if time < 0 else now)
 
     def publish(self, *events: ui.Event) -> None:
         """Put events into the outbox of each page, after new types."""

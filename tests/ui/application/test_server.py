@@ -93,7 +93,10 @@ def test_only_the_page_is_served(served: Server) -> None:
     status, body, headers = get(served, "/?token=any")
     assert (status, body) == (200, b"<title>rtgen</title>")
     assert "default-src 'self'" in headers["content-security-policy"]
-    assert get(served, "/assets/page.js")[0] == 200
+    assert headers["cache-control"] == "no-store"
+    status, _, headers = get(served, "/assets/page.js")
+    assert (status, "immutable" in headers["cache-control"]) == (200, True)
+    assert get(served, "/assets/none.js")[2]["cache-control"] == "no-store"
     for path in (
         "/secret.txt",
         "/../secret.txt",
