@@ -119,7 +119,8 @@ class InPort(Generic[T]):
         samples = self._sole
         if samples:
             self._last = value = samples.pop()
-            samples.clear()
+            if samples:
+                samples.clear()
             return value
         with self._guard:
             newest = None

@@ -164,16 +164,30 @@ class _Samples(deque[Any]):
         self._origins: deque[_Origin] = deque()
 
     def measure(
-        self, chains: Sequence[_Chain], next_origin: Any, now: Callable[[], int]
+        self,
+        chains: Sequence[_Chain],
+        next_origin: Any,
+        now: Callable[[], int],
+        only: _Samples | None = None,
     ) -> None:
-        """Keep the origins from now on; `chains` end here."""
+        """Keep the origins from now on; `chains` end here.
+
+        `only` has the next origin, if it is always that of its last sample.
+        """
         end = _end_of(chains, now) if chains else None
         add, add_origin = super().append, self._origins.append
         take, take_origin = super().popleft, self._origins.popleft
 
-        def append(sample: Any) -> None:
-            add_origin(next_origin())
-            add(sample)
+        if only is None:
+
+            def append(sample: Any) -> None:
+                add_origin(next_origin())
+                add(sample)
+        else:
+
+            def append(sample: Any) -> None:
+                add_origin(only.origin)
+                add(sample)
 
         def drop() -> None:
             take_origin()
@@ -193,17 +207,22 @@ class _Samples(deque[Any]):
 
         def pop() -> Any:
             self.origin = newest_origin()
-            if end is not None:
-                end(self.origin)
+            return newest()
+
+        def pop_last() -> Any:
+            assert end is not None
+            end(newest_origin())
             return newest()
 
         def clear() -> None:
             empty()
             empty_origins()
 
-        last = popleft_last if end else popleft
-        own = {"append": append, "drop": drop, "pop": pop, "clear": clear}
-        vars(self).update(own, popleft=last)
+        vars(self).update(append=append, drop=drop, clear=clear)
+        if end is None:
+            vars(self).update(pop=pop, popleft=popleft)
+        else:
+            vars(self).update(pop=pop_last, popleft=popleft_last)
 
     def replace(self, buffer: RingBuffer[Any]) -> None:
         """Become the samples of a buffer."""
@@ -254,7 +273,9 @@ def _measure(way: _Way, chains: Sequence[_Chain], now: Callable[[], int]) -> Non
         waiting.measure((), next_origin, now)
         waiting.replace(publisher.waiting)
         next_origin = lambda: waiting.origin  # noqa: E731
-    way.samples.measure(chains, next_origin, now)
+    direct = publisher is None and len(way.inputs) == 1 and not way.is_first
+    only = way.inputs[0].samples if direct else None
+    way.samples.measure(chains, next_origin, now, only)
     way.samples.replace(way.connector.buffer)
 
 
