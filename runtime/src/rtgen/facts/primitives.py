@@ -10,6 +10,9 @@ from typing import Final, NamedTuple
 class Primitive(StrEnum):
     """The primitive types; the value is the canonical spelling (OMG IDL 4.2, 7.4.1.4.4.2)."""
 
+    # That of enums is a function in Python, which lookups of types would call.
+    __hash__ = str.__hash__
+
     SHORT = "short"
     UNSIGNED_SHORT = "unsigned short"
     LONG = "long"

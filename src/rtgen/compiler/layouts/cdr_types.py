@@ -65,13 +65,14 @@ class CdrTypes:
     def _uses(self) -> dict[ScopedName, set[ScopedName]]:
         """The named types used by members of structs and unions."""
         return {
-            declaration.name: {
-                leaf.name
-                for leaf in map(self._leaf, member_types(declaration))
-                if isinstance(leaf, NamedType)
-            }
-            for declaration in self._composites
+            name: {leaf.name for leaf in leaves if isinstance(leaf, NamedType)}
+            for name, leaves in self._leaves.items()
         }
+
+    @cached_property
+    def _leaves(self) -> dict[ScopedName, set[Type]]:
+        """The types of the innermost elements of each struct and union."""
+        return {d.name: set(map(self._leaf, member_types(d))) for d in self._composites}
 
     @cached_property
     def _recursive(self) -> frozenset[ScopedName]:
@@ -83,7 +84,11 @@ class CdrTypes:
 
     @cached_property
     def _dynamic(self) -> set[ScopedName]:
-        names = [d.name for d in self._composites if self._holds_dynamic(d)]
+        names = [
+            name
+            for name, leaves in self._leaves.items()
+            if any(map(self._is_dynamic_leaf, leaves))
+        ]
         return leading_to(self._uses, names)
 
     @cached_property
@@ -93,7 +98,7 @@ class CdrTypes:
 
     def _leaf(self, type_: Type) -> Type:
         """Return the named or basic type of a type's innermost elements, of maps their values."""
-        while True:
+        while type_.__class__ is not PrimitiveType:
             type_ = self._model.unalias(type_)
             match type_:
                 case SequenceType(element) | ArrayType(element):
@@ -102,6 +107,7 @@ class CdrTypes:
                     type_ = value
                 case _:
                     return type_
+        return type_
 
     def is_recursive(self, name: ScopedName) -> bool:
         """Return whether values of the struct or union can contain values of the same type."""
@@ -136,22 +142,19 @@ class CdrTypes:
         leaf = self._leaf(type_)
         return isinstance(leaf, NamedType) and leaf.name in self._headed
 
-    def _holds_dynamic(self, declaration: Struct | Union) -> bool:
-        leaves = map(self._leaf, member_types(declaration))
-        return any(map(self._is_dynamic_leaf, leaves))
-
     def _holds_headers(self, declaration: Struct | Union) -> bool:
-        extensibility = self._representations.extensibility(declaration)
         entries: Sequence[Member | Case] = (
             declaration.members
             if isinstance(declaration, Struct)
             else declaration.cases
         )
-        return extensibility is Extensibility.MUTABLE or any(
-            (isinstance(entry, Member) and entry.optional)
-            or self.is_unset(declaration, entry)
-            for entry in entries
-        )
+        for entry in entries:
+            if isinstance(entry, Member) and entry.optional:
+                return True
+            if entry.external and self.is_unset(declaration, entry):
+                return True
+        extensibility = self._representations.extensibility(declaration)
+        return extensibility is Extensibility.MUTABLE
 
     def _is_dynamic_leaf(self, type_: Type) -> bool:
         if isinstance(type_, PrimitiveType):

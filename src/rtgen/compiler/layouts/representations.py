@@ -46,7 +46,8 @@ class Representations:
 
     def extensibility(self, declaration: Struct | Union) -> Extensibility:
         """Return a struct's or union's extensibility: annotated, the base's, or the default."""
-        written = any(a.name in _EXTENSIBILITIES for a in declaration.annotations)
+        annotations = declaration.annotations
+        written = annotations and any(a.name in _EXTENSIBILITIES for a in annotations)
         if written or declaration.name not in self._names:
             return declaration.extensibility
         if isinstance(declaration, Struct) and declaration.base is not None:

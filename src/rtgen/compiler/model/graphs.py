@@ -49,7 +49,8 @@ def groups(edges: Mapping[Node, Collection[Node]]) -> Iterator[list[Node]]:
 
 def in_circles(edges: Mapping[Node, Collection[Node]]) -> Iterator[Node]:
     """Yield the nodes on a cycle."""
-    for group in groups(edges):
+    leading = {node: others for node, others in edges.items() if others}
+    for group in groups(leading):
         if len(group) > 1 or group[0] in edges[group[0]]:
             yield from group
 

@@ -81,7 +81,8 @@ def operation_text(operation: Operation) -> str:
     described = [
         f"{p.name}: {text}"
         for p in operation.parameters
-        if (text := " ".join(with_unit(p.doc, annotated_unit(p) or "").split()))
+        if (p.doc or p.annotations)
+        and (text := " ".join(with_unit(p.doc, annotated_unit(p) or "").split()))
     ]
     parts = (operation.doc.strip(), "\n".join(described))
     return "\n\n".join(filter(None, parts)) if described else operation.doc

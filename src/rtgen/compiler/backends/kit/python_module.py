@@ -97,9 +97,11 @@ def python_module(
 
 def _imports_at_head(body: str) -> tuple[list[Import], str]:
     """Return the imports with which a text begins, one a line, and the rest of it."""
-    imports = []
-    lines = body.split("\n")
-    for number, line in enumerate(lines):
+    imports: list[Import] = []
+    begin = 0
+    while begin < len(body):
+        end = (body.find("\n", begin) + 1 or len(body) + 1) - 1
+        line = body[begin:end]
         match = _IMPORT.fullmatch(line)
         if match is not None:
             items = (item.partition(" as ") for item in match[2].split(", "))
@@ -107,7 +109,8 @@ def _imports_at_head(body: str) -> tuple[list[Import], str]:
                 Import(match[1], name, local or name) for name, _, local in items
             ]
         elif line:
-            return imports, "\n".join(lines[number:])
+            return imports, body[begin:]
+        begin = end + 1
     return imports, ""
 
 

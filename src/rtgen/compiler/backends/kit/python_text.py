@@ -141,6 +141,8 @@ def fit_text(text: str) -> str:
     start and end on lines of its own, as `docstring` writes it.
     """
     lines = text.split("\n")
+    if max(map(len, lines)) <= WIDTH:
+        return text
     inside = off = False
     for place, line in enumerate(lines):
         if len(line) <= WIDTH and '"""' not in line and _SWITCH not in line:

@@ -78,6 +78,8 @@ class Calls:
         self._files: dict[str, SourceFile] = {}
         self._bodies: list[Struct] = []
         self._raised: dict[ScopedName, Struct] = {}
+        self._shapes: dict[tuple[tuple[str, Type], ...], int] = {}
+        self._shape_of: dict[ScopedName, int] = {}
         self.origins: dict[str, str] = {}
         self.of: dict[ScopedName, list[Call]] = {}
         self.marshalled = marshalled
@@ -107,16 +109,27 @@ class Calls:
         """The body of a reply that carries a user exception."""
         return self._raised[exception].name
 
+    def shape_of(self, body: ScopedName) -> int | None:
+        """Return the number of the shape of a request or a reply with results.
+
+        Bodies with equal members have the same. None for other declarations.
+        """
+        return self._shape_of.get(body)
+
     def _calls(self, interface: Interface) -> Iterator[Call]:
         operations = [o for a in interface.attributes for o in _accessors(a)]
-        parts = [(o, *_bodies(o)) for o in (*operations, *interface.operations)]
+        parts = [
+            (operation, *bodies, self._shape(bodies[0]), self._shape(bodies[1]))
+            for operation in (*operations, *interface.operations)
+            for bodies in [_bodies(operation)]
+        ]
         numbers = Counter(
-            (kind, _shape(members))
-            for _, arguments, results in parts
-            for kind, members in (("request", arguments), ("reply", results))
+            shape
+            for _, _, _, request, reply in parts
+            for shape in (("request", request), ("reply", reply))
         )
         shared: dict[object, Struct] = {}
-        for operation, arguments, results in parts:
+        for operation, arguments, results, of_request, of_reply in parts:
             self._file(interface)
             try:
                 for member in (*arguments, *results):
@@ -128,11 +141,11 @@ class Calls:
             for exception in exceptions:
                 self._add_raised(exception)
             bodies: list[Struct | None] = []
-            for kind, what, members in (
-                ("request", "Arguments", arguments),
-                ("reply", "Results", results),
+            for kind, what, members, number_of_shape in (
+                ("request", "Arguments", arguments, of_request),
+                ("reply", "Results", results, of_reply),
             ):
-                shape = kind, _shape(members)
+                shape = kind, number_of_shape
                 body = shared.get(shape) if members else None
                 if members and body is None:
                     number = len(shared) + 1 if numbers[shape] > _MANY else 0
@@ -142,6 +155,11 @@ class Calls:
                 bodies.append(body)
             request, reply = bodies
             yield Call(operation.name, request, reply, exceptions, operation.oneway)
+
+    def _shape(self, members: Sequence[Member]) -> int:
+        """The number of the shape of a body; operations of equal shape can share bodies."""
+        shape = tuple([(member.name, member.type) for member in members])
+        return self._shapes.setdefault(shape, len(self._shapes))
 
     def _body(
         self,
@@ -169,6 +187,7 @@ class Calls:
             members=tuple(members),
         )
         self._bodies.append(body)
+        self._shape_of[body.name] = self._shape(members)
         return body
 
     def _add_raised(self, name: ScopedName) -> None:
@@ -219,11 +238,6 @@ def _bodies(operation: Operation) -> tuple[list[Member], list[Member]]:
     if operation.returns != VOID:
         results.insert(0, _named(operation, _RESULT, operation.returns))
     return arguments, results
-
-
-def _shape(members: Sequence[Member]) -> tuple[tuple[str, Type], ...]:
-    """The shape of an operation; operations of equal shape can share bodies."""
-    return tuple((member.name, member.type) for member in members)
 
 
 def _accessors(attribute: Attribute) -> Iterator[Operation]:
@@ -323,6 +337,8 @@ class CallTable:
 
     def _interface(self, type_: Type) -> str:
         """The class of an object that a member refers to, else `None`."""
+        if not isinstance(type_, NamedType):
+            return "None"
         type_ = self._calls.model.unalias(type_)
         if isinstance(type_, NamedType):
             declaration = self._calls.model.find(type_.name)

@@ -3,11 +3,17 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from functools import lru_cache
 
 import msgspec
 
 from rtgen.compiler.backends.kit.python_initial import PythonInitial
-from rtgen.compiler.backends.kit.python_text import Bracketed, fit_bracketed, tuple_of
+from rtgen.compiler.backends.kit.python_text import (
+    WIDTH,
+    Bracketed,
+    fit_bracketed,
+    tuple_of,
+)
 from rtgen.compiler.backends.kit.quoting.python import string_literal
 from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.layouts.cdr_types import CdrTypes, bit_count
@@ -45,6 +51,39 @@ from rtgen.compiler.model import (
 from rtgen.compiler.model.declarations import OPAQUE, ConstantValue, Declaration
 from rtgen.compiler.typemap.python.idl import is_boolean, is_signed
 from rtgen.compiler.typemap.python.idl_names import PythonNames, is_emitted
+
+_INNER = " " * 8
+"""The margin of an argument of a descriptor."""
+
+
+class Description(msgspec.Struct, eq=False):
+    """What the descriptors of structs with equal members have in common."""
+
+    variable: str
+    call: str
+    traits: list[str]
+    members: list[str]
+    _flat: str = ""
+    _lines: str = ""
+    _is_wide: bool = False
+
+    def __post_init__(self) -> None:
+        lines = [f"{_INNER}{member}," for member in self.members]
+        self._flat = "".join([f", {member}" for member in self.members])
+        self._lines = "\n".join([*lines, "    )"])
+        self._is_wide = any(len(line) > WIDTH for line in lines)
+
+    def text(self, facts: Sequence[str]) -> str:
+        """Return the descriptor with the facts before the members, split like a class variable."""
+        flat = f"{self.call}{', '.join(facts)}{self._flat})"
+        if 4 + len(self.variable) + len(flat) <= WIDTH:
+            return flat
+        heads = [f"{_INNER}{fact}," for fact in facts]
+        if self._is_wide or any(len(head) > WIDTH for head in heads):
+            head = f"{self.variable}{self.call}"
+            text = fit_bracketed(Bracketed(head, [*facts, *self.members]), 4)
+            return text.removeprefix(f"    {self.variable}")
+        return "\n".join([self.call, *heads, self._lines])
 
 
 class Descriptions(msgspec.Struct, eq=False):
@@ -104,15 +143,28 @@ class Descriptions(msgspec.Struct, eq=False):
 
     def struct(self, declaration: Struct | ExceptionDecl, representation: int) -> str:
         """Return the descriptor of a struct or exception, split like that of a class variable."""
+        return self.like(declaration, self.members(declaration, representation))
+
+    def members(
+        self, declaration: Struct | ExceptionDecl, representation: int
+    ) -> Description:
+        """Return what is equal in the descriptors of structs with the same members."""
         py = self._py
         kind = "struct" if isinstance(declaration, Struct) else "exception"
-        facts: list[str] = [string_literal(declaration.scoped)]
-        facts += self._traits(declaration, representation)
         names = self._names.members(declaration)
-        facts += [self._member(m, names[m.name]) for m in declaration.members]
-        variable = f"_descriptor_{py.class_variable} = "
-        statement = Bracketed(f"{variable}{py.idl}.{kind}(", facts)
-        return fit_bracketed(statement, 4).removeprefix(f"    {variable}")
+        return Description(
+            variable=f"_descriptor_{py.class_variable} = ",
+            call=f"{py.idl}.{kind}(",
+            traits=self._traits(declaration, representation),
+            members=[self._member(m, names[m.name]) for m in declaration.members],
+        )
+
+    def like(
+        self, declaration: Struct | ExceptionDecl, description: Description
+    ) -> str:
+        """Return the descriptor of a struct or exception whose members are described."""
+        own = self._marks([*self._own_id(declaration), *description.traits])
+        return description.text([string_literal(declaration.scoped), *own])
 
     def _member(self, member: Member, attribute: str) -> str:
         """Return a member as an argument."""
@@ -218,7 +270,8 @@ class Descriptions(msgspec.Struct, eq=False):
         idl = self._py.idl
         names = self._names.members(declaration)
         facts = [string_literal(declaration.scoped), self.of(declaration.switch)]
-        facts += self._traits(declaration, representation)
+        traits = self._traits(declaration, representation)
+        facts += self._marks([*self._own_id(declaration), *traits])
         for case in declaration.cases:
             attribute = names[case.name]
             parts = [self.of(case.type)]
@@ -258,8 +311,8 @@ class Descriptions(msgspec.Struct, eq=False):
     def _traits(
         self, declaration: Struct | Union | ExceptionDecl, representation: int
     ) -> list[str]:
-        """Return the properties that differ from their defaults, as at most one argument."""
-        facts = self._own_id(declaration)
+        """Return the properties that differ from their defaults, without the repository id."""
+        facts: list[str] = []
         if not isinstance(declaration, ExceptionDecl):
             if isinstance(declaration, Struct) and declaration.base is not None:
                 facts.append(f"base={self._py.reference(declaration.base)}")
@@ -269,6 +322,10 @@ class Descriptions(msgspec.Struct, eq=False):
             facts += ["nested=True"] * declaration.nested
             facts += ["opaque=True"] * (declaration.annotation(OPAQUE) is not None)
         facts += [f"representation={representation}"] * bool(representation)
+        return facts
+
+    def _marks(self, facts: Sequence[str]) -> list[str]:
+        """Return properties as at most one argument."""
         return [f"{self._py.idl}.traits({', '.join(facts)})"] if facts else []
 
     def _own_id(self, declaration: Declaration) -> list[str]:
@@ -300,17 +357,26 @@ def attribute_text(attribute: Attribute) -> str:
 
 def signature(operation: Operation) -> str:
     """Return an operation in IDL syntax, on one line."""
-    parameters = [f"{p.direction} {p.type} {p.name}" for p in operation.parameters]
-    text = f"{operation.returns} {operation.name}({', '.join(parameters)})"
+    parameters = [
+        f"{p.direction} {_spelled(p.type)} {p.name}" for p in operation.parameters
+    ]
+    text = f"{_spelled(operation.returns)} {operation.name}({', '.join(parameters)})"
     text += _raises("raises", operation.raises)
     if operation.context:
         text += f" context ({', '.join(map(string_literal, operation.context))})"
     return f"oneway {text}" if operation.oneway else text
 
 
+@lru_cache(maxsize=4096)
+def _spelled(type_: Type) -> str:
+    return str(type_)
+
+
 def _raises(word: str, names: Sequence[ScopedName]) -> str:
-    listed = ", ".join("::".join(name) for name in dict.fromkeys(names))
-    return f" {word} ({listed})" if listed else ""
+    if not names:
+        return ""
+    listed = ", ".join(["::".join(name) for name in dict.fromkeys(names)])
+    return f" {word} ({listed})"
 
 
 def _interface_kind(declaration: Interface) -> list[str]:

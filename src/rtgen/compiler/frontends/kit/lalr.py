@@ -81,6 +81,7 @@ class Grammar:
                 *tables["guarded"].items(),
             )
         }
+        self.words = frozenset((*self.reserved, *self.contextual))
         self.actions: list[dict[str, int]] = tables["actions"]
         self.rules = [_rule(builder, *rule) for rule in tables["rules"]]
         self.start: int = tables["start"]
@@ -102,6 +103,8 @@ class Parser:
 
     watched: frozenset[str] = frozenset()
     """Terminals for whose tokens `shifted` is called."""
+    judges_all_words = False
+    """Whether `word` is asked about words that the grammar does not have, too."""
     most = sys.maxsize
     """Maximum depth of the stack; a token beyond it raises TooDeepError."""
 
@@ -130,6 +133,7 @@ class Parser:
         """Yield the tokens from `position` on, each one read when those before it are shifted."""
         states, word = self.states, self.word
         actions, reserved = self._grammar.actions, self._grammar.reserved
+        words = None if self.judges_all_words else self._grammar.words
         while self.position < self._end:
             scanned = self._grammar.scanner.finditer(
                 self._text, self.position, self._end
@@ -139,7 +143,7 @@ class Parser:
                 text = match[kind]
                 self.position = end = match.end()
                 row = actions[states[-1]]
-                if kind == WORD:
+                if kind == WORD and (words is None or text in words):
                     kind = reserved[text] if text in reserved else word(text, end)
                 token = Token(text)
                 token.type = kind

@@ -119,9 +119,16 @@ class PythonMapping(msgspec.Struct, eq=False):
     name_of: NameOf
     spell: Callable[[str, str], str] = lambda module, name: name
     servants: bool = False
+    _annotations: dict[Type, str] = {}
 
     def annotation(self, type_: Type) -> str:
         """Return the annotation of a value of the type, on one line."""
+        text = self._annotations.get(type_)
+        if text is None:
+            text = self._annotations[type_] = self._annotation(type_)
+        return text
+
+    def _annotation(self, type_: Type) -> str:
         match type_:
             case PrimitiveType(kind):
                 return self.spelled(PRIMITIVES[kind], PRIMITIVES[kind].annotation)

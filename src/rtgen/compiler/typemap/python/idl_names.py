@@ -121,6 +121,7 @@ class PythonNames:
         self._holdings: dict[ScopedName, dict[str, Declaration]] = {}
         self._operations: dict[ScopedName, dict[str, str]] = {}
         self._members: dict[ScopedName, dict[str, str]] = {}
+        self._members_by_names: dict[object, dict[str, str]] = {}
         for module in dict.fromkeys(self._modules.values()):
             self._name_classes(module)
 
@@ -270,8 +271,13 @@ class PythonNames:
                 base = self._model.find(declaration.base)
                 assert isinstance(base, Struct | Bitset)
                 inherited = list(self.members(base).values())
-        own = OWN_NAMES[type(declaration)]
-        return distinct((e.name for e in entries if e.name), own.union(inherited))
+        parts = tuple([e.name for e in entries if e.name])
+        key = type(declaration), parts, *inherited
+        names = self._members_by_names.get(key)
+        if names is None:
+            own = OWN_NAMES[type(declaration)].union(inherited)
+            names = self._members_by_names[key] = distinct(parts, own)
+        return names
 
     def operations(self, declaration: Interface | Valuetype) -> dict[str, str]:
         """Return the Python names of the attributes and operations added to the bases'."""
@@ -381,6 +387,9 @@ class PythonNames:
     def _depth(self, name: ScopedName) -> int:
         """Return how many leading parts are IDL modules."""
         scope = name[:-1]
+        depth = self._depths.get(scope)
+        if depth is not None:
+            return depth
         known = len(scope)
         while scope[:known] not in self._depths:
             known -= 1
@@ -422,8 +431,11 @@ class PythonNames:
     def _emitted(self) -> list[Declaration]:
         """The declarations in order, nested ones before enclosing ones."""
         inside: dict[ScopedName, list[Declaration]] = {}
+        outermost: list[Declaration] = []
         for declaration in self._model.declarations:
-            if self.is_nested(declaration.name) and is_emitted(declaration):
+            if not self.is_nested(declaration.name):
+                outermost.append(declaration)
+            elif is_emitted(declaration):
                 inside.setdefault(declaration.name[:-1], []).append(declaration)
 
         def with_inner(declaration: Declaration) -> Iterator[Declaration]:
@@ -432,12 +444,9 @@ class PythonNames:
             if is_emitted(declaration):
                 yield declaration
 
-        return [
-            each
-            for declaration in self._model.declarations
-            if not self.is_nested(declaration.name)
-            for each in with_inner(declaration)
-        ]
+        if not inside:
+            return [each for each in outermost if is_emitted(each)]
+        return [each for outer in outermost for each in with_inner(outer)]
 
     @cached_property
     def _enumerators(self) -> dict[ScopedName, ScopedName]:
@@ -460,11 +469,12 @@ class PythonNames:
         reserved = attributes.union(HOMES, _ARGUMENTS, _FUTURE, self.taken_in(module))
         hidden = reserved.union(dir(builtins))
         ahead = _referred_ahead(declarations)
-        free = {identifier(text, reserved) for text in identifiers.values()}
+        plains = {text: identifier(text) for text in identifiers.values()}
+        free = {_free(plain, reserved) for plain in plains.values()}
         taken: set[str] = set()
         for name, text in identifiers.items():
-            chosen = identifier(text, hidden if name in ahead else reserved)
-            plain = identifier(text)
+            plain = plains[text]
+            chosen = _free(plain, hidden if name in ahead else reserved)
             while chosen in taken or (chosen not in (text, plain) and chosen in free):
                 chosen += "_"
             taken.add(chosen)

@@ -22,6 +22,7 @@ from rtgen.compiler.model import (
     Model,
     NamedType,
     Operation,
+    PrimitiveType,
     ScopedName,
     SequenceType,
     Struct,
@@ -124,6 +125,8 @@ def _in_calls(
 
 def _in_types(types: Iterable[Type]) -> Iterator[ScopedName]:
     for type_ in types:
+        if type_.__class__ is PrimitiveType:
+            continue
         while isinstance(type_, _SERIES):
             type_ = type_.element
         if isinstance(type_, NamedType):

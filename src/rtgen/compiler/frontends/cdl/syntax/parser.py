@@ -78,6 +78,7 @@ class CdlParser(RecoveringParser):
     """A parser that tracks typedef names and specifier lists."""
 
     watched = frozenset(("SEMI", "LBRACE", "SPEC_L", "SPEC_R"))
+    judges_all_words = True
     most = MAX_NESTING
 
     def __init__(self, unit: Unit, types: TypeNames, imports: Imports) -> None:

@@ -39,7 +39,7 @@ class CommonFields:
         self, item: tree.Item | tree.Enumerator | tree.Parameter | None, unit: Unit
     ) -> str:
         """Return the doc comment of an entry."""
-        if item is None or item.start == item.end:
+        if item is None or item.start == item.end or not unit.comments:
             return ""
         behind_labels: list[int] = []
         if isinstance(item, tree.Item) and isinstance(item.node, tree.Case):

@@ -16,6 +16,8 @@ from rtgen.compiler.model import ScopedName
 class Kind(StrEnum):
     """Kinds of declarations; the value is their name in messages."""
 
+    __hash__ = str.__hash__
+
     MODULE = "module"
     STRUCT = "struct"
     UNION = "union"

@@ -302,6 +302,11 @@ class Builder(ExpressionBuilder):
 
     def parameter(self, children: Children) -> tree.Parameter:
         *before, type_, declarator = children
+        if len(before) == 1 and (direction := _DIRECTIONS.get(before[0])):
+            start = before[0].start_pos
+            return tree.Parameter(
+                (), direction, type_, declarator, start, declarator.end
+            )
         annotations = tuple(c for c in before if type(c) is tree.Annotation)
         directions = [_DIRECTIONS[c] for c in before if c not in annotations]
         return tree.Parameter(

@@ -14,22 +14,18 @@ Children: TypeAlias = list[Any]
 
 
 def end_of(token: Token) -> int:
-    assert token.end_pos is not None
     return token.end_pos
 
 
 def start_of(node: Any) -> int:
     """Return the start offset of a node or token."""
-    start: int = node.start if hasattr(node, "start") else node.start_pos
+    is_token = isinstance(node, str)
+    start: int = node.start_pos if is_token else node.start
     return start
 
 
 def name_of(token: Token) -> tree.Name:
-    start = token.start_pos
-    end = token.end_pos
-    assert start is not None
-    assert end is not None
-    return tree.Name(token.removeprefix("_") or "_", start, end)
+    return tree.Name(token.removeprefix("_") or "_", token.start_pos, token.end_pos)
 
 
 def chain_of(children: Children, operator: str) -> tree.Chain:

@@ -119,6 +119,15 @@ class Unit(msgspec.Struct, eq=False, dict=True):
         if not self.pieces:
             return self.source.span(0, 0)
         first, begin = self.piece(start)
+        if (
+            end - begin <= first.end - first.start
+            and start < end
+            and first.file is None
+            and not first.expanded
+            and not first.shift
+        ):
+            offset = first.start - begin
+            return first.source.span(start + offset, end + offset)
         within = not first.expanded and end - begin <= first.end - first.start
         if within or end <= start:
             last, until = first, begin

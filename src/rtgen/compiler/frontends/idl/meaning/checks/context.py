@@ -113,6 +113,8 @@ class Context(msgspec.Struct, frozen=True):
         """Return whether a type is, or contains, a local interface."""
         if isinstance(type_, PrimitiveType):
             return False
+        if isinstance(type_, NamedType) and type_.name in self.local:
+            return self.local[type_.name]
         holders: dict[ScopedName, ScopedName | None] = {}
         pending: list[tuple[Type | None, ScopedName | None]] = [(type_, None)]
         while pending:

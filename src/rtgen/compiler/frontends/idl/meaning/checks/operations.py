@@ -114,6 +114,8 @@ def _is_void(node: tree.TypeNode) -> bool:
 def _type(node: tree.TypeNode, entity: Entity, context: Context, remote: bool) -> None:
     if isinstance(node, tree.BasicType) and not _is_void(node):
         return
+    if isinstance(node, tree.TextType) and node.bound is None:
+        return
     if isinstance(node, _NAMELESS):
         context.report_at(
             type_rules.ANONYMOUS,
