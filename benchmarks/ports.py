@@ -4,15 +4,21 @@
 
 Rounds are interleaved; medians and ratios are printed. The deque
 passes a reference; the port passes a snapshot, through a ring buffer that counts losses. Values are
-checked as `System(check_values=...)` says, by default the first ones.
+checked as `System(check_values=...)` says, by default the first ones. Processes with `rtgen-speed`,
+if it is built (`python tests/speed.py`), and processes without it take turns.
 """
 
 from __future__ import annotations
 
+import json
+import os
 import statistics
+import subprocess
+import sys
 import time
 from collections import deque
 from collections.abc import Callable
+from pathlib import Path
 
 from tables import Arguments, Results
 
@@ -28,6 +34,9 @@ from rtgen.runtime import (
 )
 
 CALLS = 20_000
+BUILT = Path(__file__).resolve().parent.parent / "build" / "speed"
+CODECS = ("c", "python")
+DEQUE = "deque append and popleft"
 
 
 class Idle(Component):
@@ -117,10 +126,9 @@ def scheduler_share() -> float:
     return (whole - (time.thread_time_ns() - start)) / ticks
 
 
-def main() -> None:
-    """Print the table."""
-    chosen = Arguments(__doc__, rounds=21).parse_args()
-    cases = {"deque append and popleft": deque_case(sample(0))}
+def medians(rounds: int) -> dict[str, float]:
+    """Return the median of the rounds of each case in this process [us]."""
+    cases = {DEQUE: deque_case(sample(0))}
     for elements in (0, 3):
         value = sample(elements)
         label = f"TimedVelocity2D, {elements} ids and errors"
@@ -130,19 +138,57 @@ def main() -> None:
         cases[f"  of that the snapshot, {label}"] = snapshot_case(value)
     times: dict[str, list[float]] = {name: [] for name in cases}
     shares: list[float] = []
-    for _ in range(chosen.rounds):
+    for _ in range(rounds):
         for name, case in cases.items():
             times[name].append(per_call(case))
         shares.append(scheduler_share())
-    medians = {name: statistics.median(values) for name, values in times.items()}
-    peer = medians["deque append and popleft"]
+    times["scheduler, for each tick in simulated time"] = shares
+    return {name: statistics.median(found) / 1000 for name, found in times.items()}
+
+
+def in_a_process(codec: str, rounds: int) -> dict[str, float]:
+    """Return the medians of a process with this codec."""
+    path = os.pathsep.join(filter(None, (str(BUILT), os.environ.get("PYTHONPATH"))))
+    answer = subprocess.run(
+        [sys.executable, __file__, "--rounds", str(rounds), "--figures"],
+        env={**os.environ, "RTGEN_CODEC": codec, "PYTHONPATH": path},
+        capture_output=True,
+        text=True,
+        check=True,
+    )
+    found: dict[str, float] = json.loads(answer.stdout)
+    return found
+
+
+def main() -> None:
+    """Print the table."""
+    parser = Arguments(__doc__, rounds=21)
+    parser.add_argument(
+        "--figures", action="store_true", help="print those of this process as JSON"
+    )
+    chosen = parser.parse_args()
+    if chosen.figures:
+        print(json.dumps(medians(chosen.rounds)))
+        return
+    codecs = CODECS if BUILT.exists() else CODECS[1:]
+    turns = min(chosen.rounds, 3)
+    found: dict[str, list[dict[str, float]]] = {codec: [] for codec in codecs}
+    for _ in range(turns):
+        for codec in codecs:
+            found[codec].append(in_a_process(codec, chosen.rounds // turns))
     with Results(__file__, chosen) as results:
-        columns = ("processor time [µs]", ".3f"), ("times the deque", ".1f")
+        columns = [
+            (f"in {codec.title()} [µs]", ".3f") if of == "µs" else (of, ".1f")
+            for codec in codecs
+            for of in ("µs", "times the deque")
+        ]
         table = results.table("calls", "call", *columns)
-        for name, median in medians.items():
-            table.add(name, median / 1000, median / peer)
-        share = statistics.median(shares) / 1000
-        table.add("scheduler, for each tick in simulated time", share, None)
+        for name in found["python"][0]:
+            row = []
+            for codec in codecs:
+                figure = min(turn[name] for turn in found[codec])
+                row += [figure, figure / min(turn[DEQUE] for turn in found[codec])]
+            table.add(name, *row)
 
 
 if __name__ == "__main__":
