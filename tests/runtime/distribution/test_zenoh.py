@@ -29,8 +29,9 @@ pytest.importorskip("zenoh", reason="eclipse-zenoh is not installed")
 import zenoh
 from runs import CONSOLE, GOAL, ROBOT, SYSTEM, TO_GOAL, WAY, Run, Wheels, leased
 
-from refrobots._idl.basic_data_type import TimedDouble
+from refrobots._idl.basic_data_type import TimedDouble, TimedDoubleSeq
 from rtgen.cli import run as rtgen
+from rtgen.runtime import idl
 from rtgen.runtime.distribution.medium import (
     MediumError,
     Publisher,
@@ -44,6 +45,7 @@ from rtgen.runtime.zenoh import flow, session
 from rtgen.runtime.zenoh.medium import ZenohMedium
 from rtgen.runtime.zenoh.services import ZenohService
 from rtgen.runtime.zenoh.session import Endpoints, open_session
+from rtgen.runtime.zenoh.topics import is_small
 
 pytestmark = pytest.mark.waits
 
@@ -216,6 +218,40 @@ def test_garbage_is_counted_and_harms_nobody(
 
 def _any() -> str:
     return "tcp/127.0.0.1:0"
+
+
+@pytest.mark.parametrize(
+    ("described", "small"),
+    [
+        (TimedDouble, True),
+        (TimedDoubleSeq, False),
+        (SimpleNamespace(_descriptor_=idl.array(idl.DOUBLE, 8, 16)), True),
+        (SimpleNamespace(_descriptor_=idl.array(idl.OCTET, 129)), False),
+        (SimpleNamespace(_descriptor_=idl.array(TimedDouble._descriptor_, 43)), False),
+        (SimpleNamespace(_descriptor_=idl.ANY), False),
+        (SimpleNamespace(_descriptor_=idl.STRING), False),
+    ],
+)
+def test_types_of_few_numbers_are_small(described: Any, small: bool) -> None:
+    assert is_small(described) is small
+
+
+def test_large_samples_have_a_thread_of_their_own(locator: str) -> None:
+    """Links are read on meanwhile."""
+    threads: dict[bool, int] = {}
+    with closing(ZenohMedium("plain", Endpoints(listen=(locator,)))) as medium:
+        for type_ in (TimedDouble, TimedDoubleSeq):
+            topic = Topic(type_.__name__, type_)
+            is_seq = type_ is TimedDoubleSeq
+
+            def on_sample(sample: Sample, is_seq: bool = is_seq) -> None:
+                threads[is_seq] = threading.get_ident()
+
+            medium.subscribe(topic, Qos(), on_sample)
+            medium.publisher(topic, Qos()).publish(HEADER)
+        until(lambda: len(threads) == 2)
+    assert threads[False] == threading.get_ident()
+    assert threads[True] != threading.get_ident()
 
 
 def test_samples_of_several_links_come_one_by_one_without_a_thread_for_them(

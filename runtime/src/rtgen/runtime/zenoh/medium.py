@@ -33,6 +33,7 @@ from rtgen.runtime.zenoh.session import Endpoints, lease_of, open_session, repor
 from rtgen.runtime.zenoh.topics import (
     ZenohPublisher,
     ZenohSubscription,
+    is_small,
     kept_samples,
     publisher_of,
 )
@@ -85,7 +86,7 @@ class ZenohMedium(ZenohEngine):
                 kept_samples(qos) if qos.durable else None,
                 qos.deadline,
                 self._keys.flow(topic, uuid.uuid4().hex) if qos.depth is None else None,
-                waits=qos.depth is None,
+                waits=qos.depth is None or not is_small(topic.type),
             )
 
     def serve(

@@ -9,11 +9,13 @@ from __future__ import annotations
 
 import threading
 from collections.abc import Callable
+from math import inf, prod
 from typing import Any
 
 import zenoh
 from zenoh import ext
 
+from rtgen.facts.primitives import SCALARS
 from rtgen.runtime.distribution.deadlines import Deadline
 from rtgen.runtime.distribution.medium import (
     MediumError,
@@ -22,11 +24,21 @@ from rtgen.runtime.distribution.medium import (
     Sample,
     Topic,
 )
+from rtgen.runtime.marshalling.descriptors import (
+    ArrayDescriptor,
+    BitsetDescriptor,
+    EnumDescriptor,
+    FlagsDescriptor,
+    PrimitiveDescriptor,
+    StructDescriptor,
+    plain,
+)
 from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.flow import Acknowledging, Window, source_of
 from rtgen.runtime.zenoh.keys import Keys
 from rtgen.runtime.zenoh.session import reported
 
+_FEW_NUMBERS = 128
 _MAX_KEPT = 4096
 """Samples kept for late joiners by a topic that keeps all."""
 
@@ -128,8 +140,8 @@ class ZenohSubscription:
 
         `history`: number of samples of the past, None for a volatile one; `deadline` [s] as in
         `Qos`; `flow`: key of the acknowledgements of one that keeps all samples; `waits`: whether
-        `on_sample` may wait, and so has a thread of its own. Else it is called in the threads that
-        read from links, which spares a change of threads for each sample.
+        `on_sample` may wait or samples are large, so that it has a thread of its own. Else it is
+        called in the threads that read from links, which spares a change of threads.
         """
         self._on_sample = on_sample
         self._deadline = Deadline(deadline)
@@ -196,6 +208,26 @@ class ZenohSubscription:
         self._declared.close()
         if self._acknowledging is not None:
             self._acknowledging.close()
+
+
+def is_small(type_: Any) -> bool:
+    """Return whether samples of a type have few octets: numbers, and arrays of them."""
+    return _numbers(type_._descriptor_) <= _FEW_NUMBERS
+
+
+def _numbers(descriptor: Any) -> float:
+    """Return the number of numbers in a value, infinite without a limit."""
+    match plain(descriptor):
+        case PrimitiveDescriptor(name=name):
+            return 1 if name in SCALARS else inf
+        case EnumDescriptor() | FlagsDescriptor() | BitsetDescriptor():
+            return 1
+        case StructDescriptor(members=members):
+            return sum(_numbers(member.type) for member in members)
+        case ArrayDescriptor(element=element, dimensions=dimensions):
+            return prod(dimensions) * _numbers(element)
+        case _:
+            return inf
 
 
 def _congestion_control(qos: Qos) -> zenoh.CongestionControl:
