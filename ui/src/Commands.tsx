@@ -49,7 +49,7 @@ export function Commands({ system, full, component, close, select, open, arrange
   return (
     <Command.Dialog open onOpenChange={(shown) => shown || close()} label={t("Find a command")} overlayClassName="veil" contentClassName="dialog commands" filter={rank} loop>
       <Command.Input placeholder={t("Command, component, view, system")} />
-      <Command.List>
+      <Command.List label={t("Found")}>
         <Command.Empty>{t("Nothing has this name.")}</Command.Empty>
         {full && (
           <Command.Group heading={t("Run")}>

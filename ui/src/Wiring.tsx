@@ -201,6 +201,19 @@ const GROUPINGS: readonly Grouping[] = ["", "process", "host"];
 /** Whether boxes are at the places of the layout; kept when the page is reloaded. */
 const ARRANGED = "rtgen arranged";
 
+/** What React Flow says to screen readers. */
+const LABELS = {
+  "node.a11yDescription.default": t("Press enter or space to select a node. Press delete to remove it and escape to cancel."),
+  "node.a11yDescription.keyboardDisabled": t("Press enter or space to select a node. You can then use the arrow keys to move the node around. Press delete to remove it and escape to cancel."),
+  "node.a11yDescription.ariaLiveMessage": ({ x, y }: { x: number; y: number }) => t("The box has moved to x {x}, y {y}.", { x, y }),
+  "edge.a11yDescription.default": t("Press enter or space to select an edge. You can then press delete to remove it or escape to cancel."),
+  "controls.ariaLabel": t("Control Panel"),
+  "controls.zoomIn.ariaLabel": t("Zoom In"),
+  "controls.zoomOut.ariaLabel": t("Zoom Out"),
+  "controls.fitView.ariaLabel": t("Fit View"),
+  "minimap.ariaLabel": t("Map of the wiring"),
+};
+
 /** Without the parts that change with time, so that the wiring is only redrawn when it changes. */
 export const Wiring = memo(function Wiring(props: {
   file: string;
@@ -553,6 +566,7 @@ export const Wiring = memo(function Wiring(props: {
             moved.current ||= event !== null;
           }}
           colorMode="system"
+          ariaLabelConfig={LABELS}
           defaultEdgeOptions={{ interactionWidth: 16 }}
           fitViewOptions={{ padding: 0.06 }}
           minZoom={0.05}

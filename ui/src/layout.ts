@@ -246,7 +246,7 @@ export function layouter(): Engine {
   failed.catch(() => (engine = undefined));
   const workerFactory = () => {
     const worker = new Worker(program);
-    worker.onerror = (e) => fail(new Error(e.message || "its worker has ended"));
+    worker.onerror = (e) => fail(new Error(e.message || t("its worker has ended")));
     return worker;
   };
   const elk = new ELK({ workerFactory, algorithms: ["layered"] });
