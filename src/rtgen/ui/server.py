@@ -119,7 +119,9 @@ def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette
             await asyncio.sleep(min(joining.delay(None, 1), _LONGEST_JOIN))
         offered = websocket.scope.get("subprotocols", ())
         # A page can only read the code of a socket that was open, which needs its protocol.
-        await websocket.accept(subprotocol=SUBPROTOCOL if SUBPROTOCOL in offered else None)
+        await websocket.accept(
+            subprotocol=SUBPROTOCOL if SUBPROTOCOL in offered else None
+        )
         if not is_same_origin(websocket.headers):
             await websocket.close(WRONG_ORIGIN)
         elif right is None:
@@ -178,7 +180,9 @@ def _index(page: Path) -> Callable[[Request], Awaitable[Response]]:
     return serve
 
 
-def _file(page: Path, name: Callable[[Request], str]) -> Callable[[Request], Awaitable[Response]]:
+def _file(
+    page: Path, name: Callable[[Request], str]
+) -> Callable[[Request], Awaitable[Response]]:
     """Return a handler for files of the page's folder, and no others."""
 
     async def serve(request: Request) -> Response:
@@ -213,7 +217,9 @@ class _Guarded:
 
         async def send_guarded(message: Message) -> None:
             if message["type"] == "http.response.start":
-                is_asset = message["status"] < 400 and scope["path"].startswith("/assets/")
+                is_asset = message["status"] < 400 and scope["path"].startswith(
+                    "/assets/"
+                )
                 cached = _LASTING if is_asset else _NEWEST
                 message["headers"] = [*message["headers"], *_HEADERS, cached]
             await send(message)
@@ -225,7 +231,9 @@ class _Guarded:
             await refusal(scope, receive, send_guarded)
 
 
-async def _serve(websocket: WebSocket, session: Served, commands: _Commands, *, full: bool) -> None:
+async def _serve(
+    websocket: WebSocket, session: Served, commands: _Commands, *, full: bool
+) -> None:
     """Exchange messages with a page until it leaves."""
     loop = asyncio.get_running_loop()
     news = asyncio.Event()
@@ -240,7 +248,9 @@ async def _serve(websocket: WebSocket, session: Served, commands: _Commands, *, 
     outbox = Outbox(wake, full=full, language=reading)
     requests = session.runner.requests
     # A page that may only look gets an answer before its next request is executed.
-    client = requests.join(_WAITING[full], first=full, ready=lambda: full or not outbox.owes)
+    client = requests.join(
+        _WAITING[full], first=full, ready=lambda: full or not outbox.owes
+    )
     page = _Page(websocket, session, commands, outbox, client)
     client.put(lambda: session.join(outbox))
     # A page that has left ends one of them, perhaps while the other one waits.
@@ -324,4 +334,6 @@ class _Page:
 
 
 def _failure(request: int, code: str, message: str) -> ui.Event:
-    return ui.Event.of_outcome(ui.Result(request=request, done=False, code=code, message=message))
+    return ui.Event.of_outcome(
+        ui.Result(request=request, done=False, code=code, message=message)
+    )
