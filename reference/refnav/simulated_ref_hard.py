@@ -134,11 +134,13 @@ class SimulatedRefHard(Component, Generic[P]):
         angles.data[1] = counted(right, count) * config.EncoderConstant_R
         self.stamp(angles)
         self.OutWheelAngle.write(angles)
-        if self.PlantPose.connectors:
-            pose = iis.TimedPose2D(data=pose_message(base.pose))
-            self.stamp(pose)
-            self.PlantPose.write(pose)
+        self.PlantPose.offer(self._pose)
         return RTC_OK
+
+    def _pose(self) -> iis.TimedPose2D:
+        pose = iis.TimedPose2D(data=pose_message(self._base.pose))
+        self.stamp(pose)
+        return pose
 
     def _keep(self) -> None:
         base, switch = self._base, self._switch

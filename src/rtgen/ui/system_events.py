@@ -11,7 +11,7 @@ from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.system.joining import instances_of
 from rtgen.runtime.system.json_printers import json_printer
-from rtgen.runtime.system.records import Record, StateRecord
+from rtgen.runtime.system.records import Record, StateRecord, Viewer
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.runtime.timing.traffic import (
     BoardCall,
@@ -29,7 +29,7 @@ if TYPE_CHECKING:
     from rtgen.ui.session_view import SessionView
 
 
-class SystemEvents:
+class SystemEvents(Viewer):
     """Publishes samples, states, parameters, connections, frames and calls of a system."""
 
     def __init__(self, session: SessionView, system: runtime.System) -> None:

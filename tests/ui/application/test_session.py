@@ -10,10 +10,13 @@ import pytest
 from ui_bench import GOAL, ROOT, Bench, Page, channels, whole
 
 from refrobots.iis import TimedVelocity2D
+from rtgen.cli import run as rtgen
 from rtgen.compiler.systems.reading import read_file
 from rtgen.runtime import ACTIVE_STATE, INACTIVE_STATE, RealClock, xcdr
+from rtgen.ui.bus_description import BusDescriber
 from rtgen.ui.outbox import MAX_CHANGES, MAX_SAMPLES
 from rtgen.ui.protocol import ui
+from rtgen.ui.recorded import Recorded
 
 VELOCITY = "PathFollower0.velocity_RefHardRh30.InTargetVelocity"
 WIRE = ui.Connect(
@@ -430,3 +433,47 @@ def test_hostile_names_are_data(
     state = whole(bench.page().events())
     assert "<img src=x onerror=alert(1)>" in {c.instance for c in state.components}
     bench.close()
+
+
+def test_a_page_is_a_reader_of_what_is_only_written_for_readers(
+    bench: Bench, page: Page
+) -> None:
+    port = "RefHardRh30.PlantPose"
+    number = dict(channels(whole(page.events())))[port].id
+    page.done("channels", [number])
+    page.done("step", 0.05)
+    [samples] = [
+        e.samples for e in page.seen if e.discriminator is ui.EventKind.EVENT_SAMPLES
+    ]
+    assert len(samples) == 50
+    assert (
+        bench.session.system.component("RefHardRh30").out_ports["PlantPose"].unsent == 0
+    )
+
+
+def recorded(file: Path) -> dict[str, list[tuple[float, bytes]]]:
+    """Return the samples of a recording by `INSTANCE.PORT`."""
+    history = Recorded([str(file)], lambda *_: BusDescriber(None)).history
+    state = whole(history.at(history.last, [], ()))
+    names = {channel.id: name for name, channel in channels(state)}
+    found: dict[str, list[tuple[float, bytes]]] = {name: [] for name in names.values()}
+    for event in history.samples(history.last, frozenset(names)):
+        for each in event.samples:
+            found[names[each.channel]].append((each.time, each.data))
+    return found
+
+
+def test_a_run_is_the_same_with_and_without_a_page(tmp_path: Path) -> None:
+    alone, shown = tmp_path / "alone.mcap", tmp_path / "shown.mcap"
+    assert (
+        rtgen(["run", str(GOAL), "-q", "--until", "0.5", "--record", str(alone)]) == 0
+    )
+    bench = Bench(record=shown)
+    page = bench.page()
+    page.done("channels", [c.id for _, c in channels(whole(page.events()))])
+    page.done("step", 0.5)
+    bench.close()
+    without, with_page = recorded(alone), recorded(shown)
+    assert without == with_page
+    assert without["PathFollower0.velocity"]
+    assert "RefHardRh30.PlantPose" not in without

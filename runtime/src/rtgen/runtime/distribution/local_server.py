@@ -44,7 +44,7 @@ from rtgen.runtime.errors import RtcError
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.system.joining import instances_of
-from rtgen.runtime.system.records import Record
+from rtgen.runtime.system.records import Record, Viewer
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SECOND
 
@@ -170,7 +170,7 @@ def _wire(connector: Any, rates: dict[tuple[str, str], float] | None) -> Wire:
     return Wire(connector.name, ends[0], ends[1], properties, rate, losses)
 
 
-class _Tap:
+class _Tap(Viewer):
     """Counts the samples of all OutPorts, and passes on those that clients want."""
 
     def __init__(self, run: RunServer) -> None:

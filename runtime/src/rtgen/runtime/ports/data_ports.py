@@ -239,6 +239,7 @@ class OutPort(Generic[T]):
         "_outlets",
         "_record",
         "_short_ways",
+        "_show",
         "_unchecked",
         "_ways",
         "_write",
@@ -258,6 +259,8 @@ class OutPort(Generic[T]):
         self._outlets: tuple[Callable[[T], PortStatus], ...] = ()
         """Functions that send samples out of this process; they store none."""
         self._record: Callable[[T], None] | None = None
+        self._show: Callable[[T], None] | None = None
+        """Shows samples to people; None if nobody watches."""
         self._short_ways: dict[DataConnector[T], Callable[[T], PortStatus]] = {}
         self._ways: tuple[Callable[[T], PortStatus], ...] = ()
         self._check = CheckValues.NEVER
@@ -340,8 +343,23 @@ class OutPort(Generic[T]):
         """The connections, oldest first."""
         return self._connectors
 
-    def _observe(self, record: Callable[[T], None] | None) -> None:
-        self._record = record
+    def offer(self, make: Callable[[], T]) -> None:
+        """Write a sample that is only made for readers: a connection, or a page that shows it.
+
+        Without a connection only pages get it, and neither recordings nor counts contain it, so a
+        run is the same with and without a page.
+        """
+        if self._connectors:
+            self.write(make())
+        elif self._show is not None:
+            self._show(make())
+
+    def _observe(
+        self,
+        record: Callable[[T], None] | None,
+        show: Callable[[T], None] | None = None,
+    ) -> None:
+        self._record, self._show = record, show
         self._rewire()
 
     def add_outlet(self, way: Callable[[T], PortStatus]) -> None:

@@ -16,6 +16,7 @@ from rtgen.runtime.system.records import (
     SampleRecord,
     SampleWriter,
     StateRecord,
+    Viewer,
 )
 from rtgen.runtime.timing.traffic import ConnectionChange
 
@@ -84,20 +85,28 @@ class Observation(msgspec.Struct, eq=False):
             self.observe(component)
 
     def _observe(self, port: OutPort[Any]) -> None:
-        is_observed = self._listeners or (port.owner, port.name) in self._watched
-        port._observe(self._sample_writer(port) if is_observed else None)
+        watchers = self._watched.get((port.owner, port.name), ())
+        if not self._listeners and not watchers:
+            port._observe(None)
+            return
+        of_listeners = [
+            (cast(SampleWriter, one).sample_writer(port, self._elapsed), one)
+            for one in self._listeners
+            if isinstance(one, SampleWriter)
+        ]
+        shown = [write for write, one in of_listeners if isinstance(one, Viewer)]
+        port._observe(
+            self._sample_writer(
+                port, [*watchers, *(write for write, _ in of_listeners)]
+            ),
+            self._guarded(shown) if shown else None,
+        )
 
-    def _sample_writer(self, port: OutPort[Any]) -> Callable[[Any], None]:
+    def _sample_writer(
+        self, port: OutPort[Any], writers: list[Callable[[Any], None]]
+    ) -> Callable[[Any], None]:
         """Notify listeners and watchers of a sample of the port."""
         elapsed = self._elapsed
-        writers = [
-            *self._watched.get((port.owner, port.name), ()),
-            *(
-                cast(SampleWriter, one).sample_writer(port, elapsed)
-                for one in self._listeners
-                if isinstance(one, SampleWriter)
-            ),
-        ]
         others = [one for one in self._listeners if not isinstance(one, SampleWriter)]
 
         def notify(value: Any) -> None:
@@ -109,6 +118,10 @@ class Observation(msgspec.Struct, eq=False):
 
         if others:
             writers.append(notify)
+        return self._guarded(writers)
+
+    def _guarded(self, writers: list[Callable[[Any], None]]) -> Callable[[Any], None]:
+        """Return a function that passes a sample to all; their exceptions end the run."""
 
         def write_to_all(value: Any) -> None:
             for writer in writers:

@@ -53,6 +53,10 @@ class SampleWriter(Protocol):
         """Return a function that receives the samples of a port in place of the listener."""
 
 
+class Viewer:
+    """A `SampleWriter` that shows samples to people, who count as readers; see `OutPort.offer`."""
+
+
 class MissingSamples:
     """Samples that could not be written, since they violate their type."""
 
