@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import click
 
 from rtgen.cli.groups import SectionedGroup
-from rtgen.cli.help import HELP, LANGUAGE
+from rtgen.cli.help import HELP, LANGUAGE, language_of
 from rtgen.compiler.kit import translation
 from rtgen.facts.version import __version__
 from rtgen.tools.kit.exits import BAD_INPUT, Refusal
@@ -73,6 +73,7 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
     `ends`: the process ends with the command, so garbage collection is disabled.
     """
     translation.begin(_language_of_project)
+    translation.choose(language_of(arguments))
     try:
         if any("\0" in each for each in arguments):
             raise click.UsageError("an argument has no null character")
@@ -81,10 +82,10 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
         )
         sys.stdout.flush()
     except click.ClickException as error:
-        error.show()
+        _show(error)
         return error.exit_code
     except Refusal as error:
-        click.echo(f"Error: {error}", err=True)
+        _show(click.ClickException(str(error)))
         return BAD_INPUT
     except (click.Abort, KeyboardInterrupt):
         from rtgen.tools.kit.exits import INTERRUPTED
@@ -97,6 +98,15 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
     except Exception as error:
         return _internal(error)
     return code if isinstance(code, int) else 0
+
+
+def _show(error: click.ClickException) -> None:
+    """Print an error of usage as click does, in the language."""
+    from io import StringIO
+
+    text = StringIO()
+    error.show(file=text)
+    click.echo(translation.translated_lines(text.getvalue()), err=True, nl=False)
 
 
 def _language_of_project() -> str | None:
@@ -120,7 +130,9 @@ def _ended_by(error: BrokenPipeError) -> int:
 def _unwritable(error: OSError) -> int:
     """Return the exit code if a disk is full or fails; only standard output has no file name."""
     name = error.filename or "standard output"
-    click.echo(f"error[ENV0001]: cannot write {name}: {error.strerror}", err=True)
+    severity = translation.translated_word("error")
+    what = translation.translated(f"cannot write {name}: {error.strerror}")
+    click.echo(f"{severity}[ENV0001]: {what}", err=True)
     if error.filename is None:
         # Buffered output must not fail again at process exit.
         nowhere = os.open(os.devnull, os.O_WRONLY)
@@ -135,5 +147,6 @@ def _internal(error: Exception) -> int:
     from rtgen.compiler.diagnostics.printable import printable
 
     text = printable(" ".join(f"{type(error).__name__}: {error}".split()))
-    click.echo(f"rtgen: internal error: {text}; please report it", err=True)
+    message = f"rtgen: internal error: {text}; please report it"
+    click.echo(translation.translated(message), err=True)
     return 3

@@ -21,7 +21,7 @@ from rtgen.compiler.project.output import MANIFEST
 from rtgen.tools.can.common import counted
 from rtgen.tools.compiling.checking import Checked, Part, checked
 from rtgen.tools.compiling.definitions import Definitions, project_of
-from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.console import Console, write_out, write_text
 from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
 
 MAX_LINES = 24
@@ -101,7 +101,8 @@ def _print_differences(console: Console, project: Project, result: Checked) -> N
 
     text = diff(result.changes, most=MAX_LINES)
     names = (printable(shown(path)) for path in strays)
-    write_out(text + "".join(f"Only in the tree: {name}\n" for name in names))
+    write_out(text)
+    write_text("".join(f"Only in the tree: {name}\n" for name in names))
     manifest = project.output / MANIFEST
     files = [change for change in result.changes if change.path != manifest]
     stale = len(files or result.changes) + len(result.planned.leftovers)

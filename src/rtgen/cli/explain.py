@@ -9,7 +9,7 @@ import click
 from rtgen.cli.definition_options import with_answer
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
-from rtgen.compiler.kit.translation import translated
+from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import padded
 from rtgen.tools.kit.console import Console, forget_output, write_error, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, OK
@@ -25,7 +25,7 @@ def explain(console: Console, code: str | None) -> int:
 
     if code is None:
         for rule in rules().values():
-            severity = padded(translated(rule.severity.value), 7)
+            severity = padded(translated_word(rule.severity.value), 7)
             write_out(f"{rule.code}  {severity}  {translated(rule.title)}\n")
         return OK
     explained = rule_of(code)

@@ -9,11 +9,21 @@ from typing import Any
 import click
 
 from rtgen.cli.examples import EXAMPLES
-from rtgen.cli.help import write_description, write_example
-from rtgen.compiler.kit.translation import translated
+from rtgen.cli.formatting import Context
+from rtgen.cli.help import write_description, write_example, write_usage
+from rtgen.compiler.kit.translation import translated, translated_word
+from rtgen.facts.columns import columns, padded
 
 EXITS = "0 success, 1 negative result, 2 wrong input, 3 failed environment"
 """The exit codes of all commands."""
+
+
+_LAST = {
+    "options": "--version; --language, -h, --help, also of each command",
+    "exits": EXITS,
+}
+"""The last lines of the program's help, by their titles."""
+_GAP = 2
 
 
 class LazyGroup(click.Group):
@@ -22,6 +32,8 @@ class LazyGroup(click.Group):
     `target` is the `module:function` of a command `{0}`; `elsewhere` has those of other modules.
     `hidden` are older names, which work and are not shown.
     """
+
+    context_class = Context
 
     def __init__(
         self,
@@ -33,16 +45,16 @@ class LazyGroup(click.Group):
         **kwargs: Any,
     ) -> None:
         super().__init__(*args, **kwargs)
-        self._summaries = summaries
+        self.summaries = summaries
         self._target = target
         self._elsewhere = elsewhere or {}
         self._hidden = hidden
 
     def list_commands(self, ctx: click.Context) -> list[str]:
-        return list(self._summaries)
+        return list(self.summaries)
 
     def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        if cmd_name not in self._summaries and cmd_name not in self._hidden:
+        if cmd_name not in self.summaries and cmd_name not in self._hidden:
             return None
         target = self._elsewhere.get(cmd_name, self._target)
         module, _, function = target.format(cmd_name).partition(":")
@@ -57,10 +69,13 @@ class LazyGroup(click.Group):
         if name and not name.startswith("-") and self.get_command(ctx, name) is None:
             from difflib import get_close_matches
 
-            close = get_close_matches(name, self._summaries, n=1)
+            close = get_close_matches(name, self.summaries, n=1)
             hint = f" Did you mean {close[0]!r}?" if close else ""
             ctx.fail(f"No such command {name!r}.{hint}")
         return super().resolve_command(ctx, args)
+
+    def format_usage(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        write_usage(self, ctx, formatter)
 
     def format_help_text(
         self, ctx: click.Context, formatter: click.HelpFormatter
@@ -70,9 +85,9 @@ class LazyGroup(click.Group):
     def format_commands(
         self, ctx: click.Context, formatter: click.HelpFormatter
     ) -> None:
-        with formatter.section(translated("Commands")):
+        with formatter.section(translated_word("Commands")):
             formatter.write_dl(
-                [(name, translated(text)) for name, text in self._summaries.items()]
+                [(name, translated(text)) for name, text in self.summaries.items()]
             )
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
@@ -96,20 +111,23 @@ class SectionedGroup(LazyGroup):
         self, ctx: click.Context, formatter: click.HelpFormatter
     ) -> None:
         more = ", ".join(self._sections["more"])
+        titles = {title: translated_word(title) for title in (*self._sections, *_LAST)}
+        width = max(map(columns, titles.values())) + _GAP
         rows = [
-            (f"{'' if number else title:9}{name}", translated(text))
+            (
+                f"{padded('' if number else titles[title], width)}{name}",
+                translated(text),
+            )
             for title, commands in self._sections.items()
             if title != "more"
             for number, (name, text) in enumerate(commands.items())
         ]
         formatter.write_paragraph()
         formatter.write_dl(rows)
-        formatter.write(f"{'more':9}{more}\n")
-        formatter.write(
-            f"{'options':9}--version; --language, -h, --help, also of each command\n"
-        )
-        formatter.write(f"{'exits':9}{translated(EXITS)}\n")
-        formatter.write(f"{translated('Example')}: {EXAMPLES['']}\n")
+        formatter.write(f"{padded(titles['more'], width)}{more}\n")
+        for title, text in _LAST.items():
+            formatter.write(f"{padded(titles[title], width)}{translated(text)}\n")
+        formatter.write(f"{translated_word('Example')}: {EXAMPLES['']}\n")
 
     def format_epilog(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
         """The example stands with the options."""

@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import inspect
 from collections.abc import Callable, Sequence
+from itertools import zip_longest
 from typing import Any, Final, TypeVar
 
 import click
 
 from rtgen.cli.examples import EXAMPLES
-from rtgen.compiler.kit.translation import LANGUAGES, choose, translated
+from rtgen.cli.formatting import Context
+from rtgen.compiler.kit.translation import LANGUAGES, translated, translated_word
+from rtgen.facts.columns import columns
 
 F = TypeVar("F", bound=Callable[..., Any])
 
@@ -25,21 +28,32 @@ MESSAGES = "Messages"
 """The title of the options that all commands have."""
 
 
-def _choose(_: click.Context, __: click.Parameter, language: str | None) -> None:
-    if language is not None:
-        choose(language)
-
-
 LANGUAGE = click.option(
     "--language",
     type=click.Choice(LANGUAGES),
     metavar="NAME",
-    is_eager=True,
     expose_value=False,
-    callback=_choose,
     hidden=True,
 )
-"""The option for the language, of the program and of each command; the program's help names it."""
+"""The option for the language, of the program and of each command; the program's help names it.
+
+Its value is read before all others, by `language_of`: help and errors do not wait for it.
+"""
+
+
+def language_of(arguments: Sequence[str]) -> str | None:
+    """Return the language that a command line chooses with `--language`, in whatever place."""
+    chosen = None
+    for argument, following in zip_longest(arguments, arguments[1:], fillvalue=""):
+        name, equals, value = argument.partition("=")
+        if argument == "--":
+            break
+        if (
+            name == "--language"
+            and (text := value if equals else following) in LANGUAGES
+        ):
+            chosen = text
+    return chosen
 
 
 def grouped(title: str, *options: Callable[[F], F]) -> Callable[[F], F]:
@@ -65,6 +79,11 @@ def _parameters(function: Callable[..., Any]) -> list[click.Parameter]:
 
 class Command(click.Command):
     """A command of rtgen: its help has no blank line that a reader can do without."""
+
+    context_class = Context
+
+    def format_usage(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        write_usage(self, ctx, formatter)
 
     def format_options(
         self, ctx: click.Context, formatter: click.HelpFormatter
@@ -96,11 +115,30 @@ def _write(
     rows = []
     for title, records in groups:
         if records:
-            rows.append((f"{translated(title)}:", ""))
-            rows += [(f"  {option}", translated(text)) for option, text in records]
+            rows.append((f"{translated_word(title)}:", ""))
+            rows += [(f"  {option}", _option_text(text)) for option, text in records]
     formatter.write_paragraph()
     formatter.width += _MARGIN
     formatter.write_dl(rows, col_max=_WIDEST)
+
+
+def _option_text(text: str) -> str:
+    """Return the text of an option in the language; click adds defaults and ranges to it."""
+    own, bracket, added = text.partition("  [")
+    extra = "; ".join(map(translated, added.removesuffix("]").split("; ")))
+    return f"{translated(own)}{bracket}{extra}{']' * bool(bracket)}"
+
+
+def write_usage(
+    command: click.Command, ctx: click.Context, formatter: click.HelpFormatter
+) -> None:
+    """Write how a command is called."""
+    prefix = f"{translated_word('Usage')}: "
+    formatter.width -= columns(prefix) - len(prefix)
+    formatter.write_usage(
+        ctx.command_path, " ".join(command.collect_usage_pieces(ctx)), prefix
+    )
+    formatter.width += columns(prefix) - len(prefix)
 
 
 def write_description(command: click.Command, formatter: click.HelpFormatter) -> None:
@@ -117,7 +155,7 @@ def write_example(ctx: click.Context, formatter: click.HelpFormatter) -> None:
     example = EXAMPLES.get(ctx.command_path.partition(" ")[2])
     if example is not None:
         formatter.write_paragraph()
-        formatter.write(f"{translated('Example')}: {example}\n")
+        formatter.write(f"{translated_word('Example')}: {example}\n")
 
 
 def command(

@@ -13,7 +13,7 @@ from rtgen.cli.parameter_types import Place, WholeRange
 from rtgen.cli.run_table import with_run_table
 from rtgen.cli.running_options import with_clock, with_recording, with_value_checks
 from rtgen.cli.transport_options import ENGINE_OPTIONS, PROCESSES
-from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.console import Console, write_out, write_text
 from rtgen.tools.kit.exits import OK
 from rtgen.tools.running.engines import TAKES, EngineOptions
 from rtgen.tools.running.recording_options import RecordingOptions
@@ -130,7 +130,7 @@ def ui(
     def ready(server: Server) -> None:
         write_out(f"{server.address(full=True)}\n")
         if read_only:
-            write_out(f"read-only: {server.address(full=False)}\n")
+            write_text(f"read-only: {server.address(full=False)}\n")
         if opened:
             webbrowser.open(server.address(full=True))
 

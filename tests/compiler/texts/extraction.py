@@ -7,21 +7,27 @@ inserted choice between constants, such as a plural, gives a template for each.
 from __future__ import annotations
 
 import ast
+import inspect
 import json
 import os
 import re
 import shutil
 import subprocess
 import tomllib
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from importlib import import_module
 from itertools import count, islice, product
 from pathlib import Path
 
+import click
+
+from rtgen.cli import SECTIONS, application
+from rtgen.cli.groups import LazyGroup
 from rtgen.compiler.diagnostics import Rule
 from rtgen.compiler.diagnostics.explain import MODULES, rules
 from rtgen.compiler.kit.translation.blocks import paragraphs
+from rtgen.compiler.kit.translation.catalogue import constant_parts
 
 ROOT = Path(__file__).parents[3]
 HINTS = ROOT / "src/rtgen/compiler/diagnostics/hints.toml"
@@ -36,6 +42,7 @@ FOLDERS = (
 _MAX_CHOICES = 64
 _MOST_CALLS = 3
 _FIELD = re.compile(r"\{\{\w*\}\}")
+_WORD = re.compile(r"[A-Za-z]{2}")
 _PLACEHOLDER = re.compile(r"\{\w+\}")
 
 
@@ -104,14 +111,18 @@ def _is_constant(node: ast.expr) -> bool:
     return isinstance(node, ast.Constant) and isinstance(node.value, str)
 
 
-def modules() -> Iterator[ast.Module]:
-    """Yield the trees of all modules that can make texts of diagnostics."""
-    for folder in FOLDERS:
-        for file in sorted(folder.rglob("*.py")):
-            if file.name != "template_code.py" and "_idl" not in file.parts:
-                yield ast.parse(file.read_text(encoding="utf-8"))
+@cache
+def modules() -> Sequence[ast.Module]:
+    """Return the trees of all modules that can make texts for people."""
+    return [
+        ast.parse(file.read_text(encoding="utf-8"))
+        for folder in FOLDERS
+        for file in sorted(folder.rglob("*.py"))
+        if file.name != "template_code.py" and "_idl" not in file.parts
+    ]
 
 
+@cache
 def texts_of_sources() -> frozenset[str]:
     """Return all templates of the sources, whatever they are for."""
     texts = {
@@ -122,6 +133,7 @@ def texts_of_sources() -> frozenset[str]:
         for text in templates(node)
     }
     texts |= {_formatted(text) for text in texts if "{{" in text}
+    texts |= {line.strip() for text in texts for line in text.split("\n")}
     # Help texts are paragraphs of docstrings.
     for text in [*texts]:
         if "\n\n" in text:
@@ -154,6 +166,155 @@ def said_texts() -> dict[str, set[str]]:
         for code, text in _said(tree):
             texts[code].add(text)
     return texts
+
+
+WORDS = (
+    *("error", "warning", "note", "info", "debug", "critical", "hint"),
+    *("Options", "Messages"),
+    *("passed", "failed", "skipped", "lost", "{0} ({1})", "finished", "met", "not met"),
+    *("goal", "final pose", "final pose {0}", "position error [m]", "elapsed [s]"),
+    *("heading error [rad]", "simulated [s]", "wall [s]", "ratio"),
+    *("missing", "not described", "no identity", "as described", "in", "out"),
+    *("provides", "requires", *SECTIONS, "options", "exits"),
+    *("identifier", "message", "octets", "period", "frame", "response", "no bound"),
+    *(
+        f"{each} 0x{{0}}, described is 0x{{1}}"
+        for each in ("device type", "vendor", "product", "revision")
+    ),
+)
+"""Words that stand alone, which `printed_texts` does not find."""
+
+OTHERS = (
+    *(f"{{0}} {each}{s}" for each in ("error", "warning", "note") for s in ("", "s")),
+    *(f"{{0}} {each}{s}" for each in ("frame", "change") for s in ("", "s")),
+    *(f"{{0}} {each}" for each in ("passed", "failed", "skipped")),
+    "No such file or directory",
+    "Unclosed array",
+    # Of click:
+    "Usage: {0}",
+    "Try '{0}' for help.",
+    "Error: {0}",
+    "Invalid value: {0}",
+    "Invalid value for {0}: {1}",
+    *(f"Missing {each} {{0}}." for each in ("argument", "option")),
+    *(f"Missing {each} {{0}}. Choose from:" for each in ("argument", "option")),
+    "Missing command.",
+    "No such option {0}.",
+    "No such option {0}. Did you mean {1}?",
+    "No such option {0}. (Did you mean one of: {1}?)",
+    "No such command {0}. Did you mean {1}?",
+    "Got unexpected extra argument ({0})",
+    "Got unexpected extra arguments ({0})",
+    "Option {0} requires an argument.",
+    "Option {0} requires {1} arguments.",
+    "Option {0} does not take a value.",
+    "{0} is not one of {1}.",
+    "{0} is not in the range {1}.",
+    "{0} is not a valid boolean. Recognized values: {1}",
+    *(
+        f"{{0}} is not a valid {each}{s}."
+        for each in ("integer", "float")
+        for s in ("", " range")
+    ),
+    "Argument {0} takes {1} values.",
+    *(
+        f"{kind} {{0}} {what}."
+        for kind in ("File", "Directory", "Path")
+        for what in (
+            "does not exist",
+            "is a file",
+            "is a directory",
+            "is not readable",
+            "is not writable",
+        )
+    ),
+    "Show this message and exit.",
+    "default: {0}",
+)
+"""Counts, whose nouns are inserted, and texts of libraries and systems."""
+
+_ALONE = frozenset({"translated_word", "grouped", "stage"})
+PRINTING = frozenset(
+    {
+        *("say", "choice", "write_text", "translated", "translated_lines", "fail"),
+        *("UsageError", "BadParameter", "ClickException", "Refusal", "Refused"),
+    }
+)
+"""The functions that print a text for people, and the errors whose text is printed."""
+
+
+def printed_texts() -> frozenset[str]:
+    """Return the templates that commands print that are no diagnostics."""
+    return _printed_texts(PRINTING)
+
+
+def words_alone() -> frozenset[str]:
+    """Return the words that stand alone, such as the heads of columns."""
+    return _printed_texts(_ALONE) | set(WORDS)
+
+
+def help_texts() -> set[str]:
+    """Return what the help of commands says: paragraphs, options, lines of lists."""
+    texts: set[str] = set()
+    commands: list[click.Command] = [application]
+    while commands:
+        command = commands.pop()
+        paragraphs_ = inspect.cleandoc(command.help or "").split("\n\n")
+        texts |= {plain(" ".join(part.split())) for part in paragraphs_}
+        context = click.Context(command)
+        for parameter in command.get_params(context):
+            if isinstance(parameter, click.Option) and not parameter.hidden:
+                texts.add(plain(parameter.help or ""))
+        if isinstance(command, LazyGroup):
+            texts |= set(map(plain, command.summaries.values()))
+            found = (command.get_command(context, n) for n in command.summaries)
+            commands += filter(None, found)
+    return texts - {""}
+
+
+def library_texts() -> set[str]:
+    """Return the templates of click's errors, and of others that come from beside the sources."""
+    return set(OTHERS)
+
+
+def titles() -> set[str]:
+    """Return the titles of all rules."""
+    return {plain(rule.title) for rule in rules().values()}
+
+
+BESIDE_RULES = (titles, help_texts, printed_texts, library_texts)
+"""What gives the texts that each catalogue has, whichever rules it covers."""
+
+
+def bare(template: str) -> str:
+    """Return the constant parts of a template."""
+    return " ".join(constant_parts(template))
+
+
+@cache
+def _printed_texts(functions: frozenset[str]) -> frozenset[str]:
+    texts = {text for tree in modules() for text in _printed(tree, functions)}
+    return frozenset(text for text in texts if _WORD.search(bare(text)))
+
+
+def _printed(tree: ast.Module, printing: frozenset[str]) -> Iterator[str]:
+    functions = {n.name: n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)}
+    values = _assigned(tree)
+    for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
+        match call:
+            case ast.Call(
+                func=ast.Name(id=name) | ast.Attribute(attr=name), args=[text, *_]
+            ) if (name in printing):
+                pass
+            case ast.Call(func=ast.Name(id="map"), args=[ast.Name(id=name), text]) if (
+                name in printing
+            ):
+                pass
+            case _:
+                continue
+        for found in _texts(text, values, functions):
+            # Lines are translated one by one.
+            yield from filter(None, map(str.strip, found.split("\n")))
 
 
 def plain(text: str) -> str:

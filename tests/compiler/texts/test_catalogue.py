@@ -17,9 +17,15 @@ import pytest
 from babel.messages.catalog import Catalog
 from babel.messages.mofile import write_mo
 from babel.messages.pofile import read_po
-from update import texts
+from update import CONTEXTS, beside_rules, texts
 
-from rtgen.compiler.kit.translation.catalogue import FOLDER, PAGE, SERVER, Catalogue
+from rtgen.compiler.kit.translation.catalogue import (
+    FOLDER,
+    PAGE,
+    SERVER,
+    WORD,
+    Catalogue,
+)
 
 JA = FOLDER / "ja" / "LC_MESSAGES" / "rtgen.po"
 GOLDEN = extraction.ROOT / "tests" / "golden"
@@ -72,7 +78,18 @@ def test_entries_follow_the_english_texts() -> None:
     known = texts(None)
     assert [m.id for m in ja() if m.id and not m.context and m.id not in known] == []
     assert not ja().obsolete
-    assert {m.context for m in ja()} == {None, SERVER, PAGE}
+    assert {m.context for m in ja()} == {None, *CONTEXTS}
+
+
+def test_what_is_said_beside_rules_is_in_the_catalogue() -> None:
+    """Titles of all rules, help, and what commands print that are no diagnostics."""
+    entries = {str(m.id) for m in ja() if m.string and not m.context}
+    assert sorted(beside_rules() - entries) == []
+
+
+def test_words_that_stand_alone_are_in_the_catalogue() -> None:
+    entries = {str(m.id) for m in ja() if m.string and m.context == WORD}
+    assert entries == extraction.words_alone()
 
 
 def test_what_the_server_of_a_page_says_is_written_in_japanese() -> None:

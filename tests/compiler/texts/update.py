@@ -2,7 +2,7 @@
 
 Entries whose English text is gone become comments at the end of the file, empty ones are added for
 the texts of the rules that a catalogue covers, which are those that the comments of titles name,
-and for those of the page and of its server.
+the titles of all rules, help and what commands print, and the texts of the page and its server.
 """
 
 from __future__ import annotations
@@ -10,15 +10,9 @@ from __future__ import annotations
 import extraction
 from babel.messages.pofile import read_po, write_po
 
-from rtgen.compiler.kit.translation.catalogue import FOLDER, PAGE, SERVER
+from rtgen.compiler.kit.translation.catalogue import FOLDER, PAGE, SERVER, WORD
 
-OTHERS = (
-    *(f"{{0}} {each}{s}" for each in ("error", "warning", "note") for s in ("", "s")),
-    "Show this message and exit.",
-    "No such file or directory",
-    "Unclosed array",
-)
-"""Counts of diagnostics, whose severities are inserted, and texts of libraries and systems."""
+CONTEXTS = (SERVER, PAGE, WORD)
 WIDTH = 100
 
 
@@ -28,15 +22,22 @@ def texts(context: str | None) -> frozenset[str]:
         return extraction.texts_of_page()
     if context == SERVER:
         return frozenset(extraction.said_by_server())
+    if context == WORD:
+        return extraction.words_alone()
     written = extraction.written_texts().values()
-    return extraction.texts_of_sources().union(OTHERS, *written)
+    return extraction.texts_of_sources().union(beside_rules(), *written)
+
+
+def beside_rules() -> frozenset[str]:
+    """Return the titles of all rules, and what is no diagnostic: help, and what commands print."""
+    return frozenset(text for each in extraction.BESIDE_RULES for text in each())
 
 
 def main() -> None:
     """Update each catalogue, and print how much is to be translated."""
     written = extraction.written_texts()
     said = extraction.said_texts()
-    known = {context: texts(context) for context in (None, SERVER, PAGE)}
+    known = {context: texts(context) for context in (None, *CONTEXTS)}
     for file in sorted(FOLDER.rglob("*.po")):
         with file.open("rb") as stream:
             catalogue = read_po(stream)
@@ -48,9 +49,13 @@ def main() -> None:
             for text in (*written[code], *sorted(said[code])):
                 if text not in catalogue:
                     catalogue.add(text)
-        for text in sorted(extraction.said_by_server()):
-            if catalogue.get(text, SERVER) is None:
-                catalogue.add(text, context=SERVER)
+        for text in sorted(beside_rules()):
+            if text not in catalogue:
+                catalogue.add(text)
+        for context in (SERVER, WORD):
+            for text in sorted(known[context]):
+                if catalogue.get(text, context) is None:
+                    catalogue.add(text, context=context)
         for _, text in extraction.page()["texts"]:
             if catalogue.get(text, PAGE) is None:
                 catalogue.add(text, context=PAGE)

@@ -69,6 +69,7 @@ WRITERS = {
 OTHERS = {
     "facts/looks.py digest",
     "compiler/kit/own_files.py read_own",
+    "cli/formatting.py Formatter.write_text",
     "cli/help.py write_description",
     "compiler/lowering/profiles/definitions.py Definitions.component",
     "runtime/dds/c_log.py _Log.__init__",

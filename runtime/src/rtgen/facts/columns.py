@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import sys
 from collections.abc import Container, Sequence
 from functools import cache
@@ -10,6 +11,11 @@ from unicodedata import category, east_asian_width
 
 _NO_COLUMN = ("Mn", "Me", "Cf")
 _WIDE = "WF"
+_CLOSING = r",.:;?!)\]、。\uff0c\uff0e・\uff1a\uff1b\uff1f\uff01\uff09」』】〉》ーっゃゅょッャュョ"
+_PIECES = re.compile(
+    rf" *(?:[^\x00-\u2fff]|[^ \u3000-\U0010ffff]+)[{_CLOSING}]*", re.DOTALL
+)
+"""What stays on one line: a word, or a wide character, with the closing marks after it."""
 _LEGACY = frozenset(
     {"cp932", "shift_jis", "shift_jis_2004", "shift_jisx0213", "euc_jp"}
 )
@@ -42,6 +48,21 @@ def _are_ambiguous_wide() -> bool:
 def padded(text: str, width: int) -> str:
     """Return a text with spaces after it, so that it takes `width` columns on a terminal."""
     return text + " " * (width - columns(text))
+
+
+def wrapped(text: str, width: int) -> list[str]:
+    """Return a paragraph as lines of at most `width` columns.
+
+    A line ends at a space, or beside a wide character; no line begins with a closing mark.
+    """
+    lines = []
+    line = ""
+    for piece in _PIECES.findall(text):
+        if line and columns(line + piece.rstrip()) > width:
+            lines.append(line.rstrip())
+            line = ""
+        line += piece if line else piece.lstrip()
+    return [*lines, line.rstrip()] if line.strip() else lines
 
 
 def table(

@@ -12,13 +12,14 @@ import msgspec
 
 from rtgen.cli.help import grouped
 from rtgen.cli.parameter_types import FiniteRange
+from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import table
 from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.live.bus_session import BusSession
 from rtgen.tools.can.live.dictionary_reading import AREAS, Pace
 from rtgen.tools.can.live.live_bus import opened
 from rtgen.tools.can.live.node_file import NodeFile, read_node, require_new, write_new
-from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.console import Console, write_out, write_text
 from rtgen.tools.kit.exits import INTERRUPTED, NO, OK, Refusal
 from rtgen.tools.kit.signals import terminable
 
@@ -143,12 +144,15 @@ def describe_node(
 def _print(node_file: NodeFile) -> None:
     if node_file.description is None:
         return
-    rows = [("object", "name", "type", "access", "guess")]
-    rows += [msgspec.structs.astuple(row) for row in node_file.description.rows]
+    rows = [tuple(map(translated_word, ("object", "name", "type", "access", "guess")))]
+    rows += [
+        (*msgspec.structs.astuple(row)[:-1], translated(row.guess))
+        for row in node_file.description.rows
+    ]
     for line in table(rows):
         write_out(f"{line}\n")
     for line in node_file.description.refused:
-        write_out(f"not described: {line}\n")
+        write_text(f"not described: {line}\n")
 
 
 def _ranges(

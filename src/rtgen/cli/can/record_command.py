@@ -10,7 +10,6 @@ from rtgen.cli.can.options import with_bus, with_span
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.tools.can.access import BusAccess
-from rtgen.tools.can.common import counted
 from rtgen.tools.can.live.live_bus import frames, opened
 from rtgen.tools.can.parsing.logs import check_kind, writer
 from rtgen.tools.kit.console import Console
@@ -46,8 +45,7 @@ def record_(
             if message is not None:
                 record(message)
                 total += 1
-    missing = (
-        f"; {received.lost} came too fast and are missing" if received.lost else ""
-    )
-    console.say(f"{counted(total, 'frame')} in {file}{missing}")
+    console.say(f"{total} frame{'s' * (total != 1)} in {file}")
+    if received.lost:
+        console.say(f"{received.lost} frames came too fast and are missing")
     return OK

@@ -17,6 +17,7 @@ from rtgen.cli.can.options import with_bus, with_nodes
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import FiniteRange
+from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import table
 from rtgen.runtime.canopen.wire.lss import LssAddress
 from rtgen.tools.can.access import BusAccess, NodeFiles
@@ -162,13 +163,16 @@ def _json(line: _Row) -> dict[str, object]:
 def _print(lines: list[_Row], strangers: list[LssAddress]) -> None:
     if not lines and not strangers:
         return
-    rows = [("id", "node", "state", "device", "")]
-    rows += [(f"{x.node}", x.name, x.state, x.device, x.verdict) for x in lines]
+    rows = [("id", *map(translated_word, ("node", "state", "device")), "")]
+    rows += [
+        (f"{x.node}", x.name, x.state, x.device, translated_word(x.verdict))
+        for x in lines
+    ]
     for address in strangers:
         numbers = (
             f"vendor 0x{address.vendor:X} product 0x{address.product:X} "
             f"revision 0x{address.revision:X} serial {address.serial}"
         )
-        rows.append(("-", "", "no node-id", numbers, ""))
+        rows.append(("-", "", translated("no node-id"), numbers, ""))
     for line in table(rows):
         write_out(f"{line}\n")

@@ -13,11 +13,12 @@ from rtgen.cli.options import with_console
 from rtgen.cli.run_table import with_run_table
 from rtgen.compiler.backends.canopen.reports import timing_text
 from rtgen.compiler.frontends.eds.information import BIT_RATES
+from rtgen.compiler.kit.translation import translated_word
 from rtgen.compiler.layouts.can_messages import messages
 from rtgen.compiler.layouts.can_timing import Timing, load, response_times
 from rtgen.tools.can.project_bus import listed, project_buses
 from rtgen.tools.can.writing_rates import writings
-from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.console import Console, write_out, write_text
 from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
 from rtgen.tools.running.plan import read_system
 
@@ -83,7 +84,8 @@ def timing_(
         }
         write_out(f"{json.dumps(document)}\n")
     else:
-        write_out(timing_text(bus, (), rates).lstrip("\n"))
+        text = timing_text(bus, (), rates, said=translated_word)
+        write_text(text.lstrip("\n"))
     return NO if any(t.response is None or _is_late(t) for t in timings) else OK
 
 

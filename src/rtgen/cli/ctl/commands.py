@@ -22,6 +22,7 @@ from rtgen.cli.ctl.common import (
 )
 from rtgen.cli.help import command
 from rtgen.cli.parameter_types import FiniteRange
+from rtgen.compiler.kit.translation import translated_word
 from rtgen.facts.columns import table
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import NO, OK
@@ -31,6 +32,7 @@ from rtgen.tools.running.control_texts import (
     port_lines,
     state_json,
     state_name,
+    state_row,
     state_text,
 )
 
@@ -60,11 +62,8 @@ def list_(console: Console, options: CtlOptions, as_json: bool) -> int:
         console.say("no process of this system has a component")
     else:
         rows = [
-            _HEADER,
-            *(
-                (name, state_text(state), str(state.ticks), str(state.overruns))
-                for name, state in states
-            ),
+            tuple(map(translated_word, _HEADER)),
+            *(state_row(name, state) for name, state in states),
         ]
         write_out("".join(f"{line}\n" for line in table(rows, right=(2, 3))))
     if profile is not None:
@@ -96,7 +95,7 @@ def show_(console: Console, options: CtlOptions, instance: str, as_json: bool) -
         print_json(shown)
         return OK
     lines = [
-        f"{instance}: {described.type}, {state_text(state)}",
+        f"{instance}: {described.type}, {translated_word(state_text(state))}",
         *port_lines(described),
     ]
     lines += (f"{n} = {v}" for n, v in sets.sets.get(sets.active, {}).items())
@@ -163,7 +162,8 @@ def watch_(
                         write_out(f"{json.dumps({'time': at, **event})}\n")
                     else:
                         name = change.instance
-                        write_out(f"{at:.3f} s: {name} {state_text(change.state)}\n")
+                        text = translated_word(state_text(change.state))
+                        write_out(f"{at:.3f} s: {name} {text}\n")
                 peers.wait(_POLL_INTERVAL)
         except KeyboardInterrupt:
             console.say("")

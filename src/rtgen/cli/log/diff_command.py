@@ -9,6 +9,7 @@ import click
 from rtgen.cli.help import command
 from rtgen.cli.log.common import with_choice
 from rtgen.cli.options import with_console
+from rtgen.compiler.kit.translation import translated
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import NO, OK
 from rtgen.tools.recording.comparison import compare
@@ -45,7 +46,8 @@ def diff_(
     choice.check(file, other)
     for (kind, name), of in compared.items():
         if text := of.text():
-            write_out(f"{kind} {name}: {text}\n".replace(" :", ":"))
+            head = f"{kind} {name}:".replace(" :", ":")
+            write_out(f"{head} {translated(text)}\n")
     differ = sum(bool(of.text()) for of in compared.values())
     equal = sum(of.same for of in compared.values())
     console.say(f"{equal} events are equal; {differ} of {len(compared)} sources differ")

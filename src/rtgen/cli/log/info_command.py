@@ -11,6 +11,7 @@ import click
 
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
+from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import table
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console, write_out
@@ -60,7 +61,7 @@ def info_(console: Console, file: Path, as_json: bool) -> int:
         (*key, types[key], str(count), *(f"{t / SECOND:.3f}" for t in times[key]))
         for key, count in counts.items()
     ]
-    cells = table([_HEADER, *rows], right=(3, 4, 5))
+    cells = table([tuple(map(translated_word, _HEADER)), *rows], right=(3, 4, 5))
     lines = [f"{file.name}: {_form(log)}", "", *cells]
     write_out("".join(f"{line}\n" for line in lines))
     return OK
@@ -69,11 +70,11 @@ def info_(console: Console, file: Path, as_json: bool) -> int:
 def _form(log: Log) -> str:
     described = _described(log)
     if log.recording is None:
-        return ", ".join(["JSON lines", *log.losses()])
+        return ", ".join(map(translated, ["JSON lines", *log.losses()]))
     form = _FORMS.get(log.recording.form, log.recording.form)
     kind = ["a bag of ROS 2"] if log.recording.profile == PROFILE else []
     time = [f"{described['clock']} time"] if described["clock"] else []
-    return ", ".join([form, *kind, *time, *log.losses()])
+    return ", ".join(map(translated, [form, *kind, *time, *log.losses()]))
 
 
 def _described(log: Log) -> dict[str, Any]:

@@ -10,6 +10,7 @@ import click
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_cdl
+from rtgen.compiler.kit.translation import translated
 from rtgen.compiler.layouts.tdr_messages import problems
 from rtgen.compiler.model.tecs import TecsFunction, TecsParameter
 from rtgen.compiler.typemap.tecs.texts import sizes_text
@@ -40,7 +41,8 @@ def list_(console: Console, cdl: CdlFiles, named: Path | None) -> int:
     for unit, signature in cdl.signatures():
         lines.append(signature.scoped)
         lines += [f"  {f.id:3}  {_declaration(f)}" for f in signature.functions]
-        lines += [f"       not transferable: {p}" for p in problems(unit, signature)]
+        refused = (f"not transferable: {p}" for p in problems(unit, signature))
+        lines += [f"       {translated(text)}" for text in refused]
     write_out("".join(f"{line}\n" for line in lines))
     return OK
 

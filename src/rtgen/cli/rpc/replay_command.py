@@ -10,7 +10,7 @@ import click
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_representation
-from rtgen.tools.kit.console import Console, write_out
+from rtgen.tools.kit.console import Console, write_text
 from rtgen.tools.kit.exits import NO, OK
 from rtgen.tools.rpc.recorded_calls import Replay
 from rtgen.tools.rpc.signatures import Wire, content, refused
@@ -47,5 +47,5 @@ def replay_(console: Console, traces: Path, verbose: bool, wire: Wire) -> int:
         if verbose and not differences:
             lines.append(f"{name}: equal")
         lines += [f"{name}: {difference}" for difference in differences]
-    write_out("".join(f"{line}\n" for line in lines))
+    write_text("".join(f"{line}\n" for line in lines))
     return OK if equal == len(cases) else NO

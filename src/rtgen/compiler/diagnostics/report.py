@@ -15,7 +15,7 @@ from urllib.parse import quote
 
 from rtgen.compiler.diagnostics import Diagnostic, Fix, Rule, Severity, Span, in_order
 from rtgen.compiler.diagnostics.printable import printable
-from rtgen.compiler.kit.translation import translated
+from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import columns
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import MAX_BYTES, is_file, read_start
@@ -137,17 +137,17 @@ class _Texts:
 
 def _text(d: Diagnostic, texts: _Texts, colour: bool) -> str:
     paint = _painter(colour)
-    severity = translated(d.severity.value)
+    severity = translated_word(d.severity.value)
     head = f"{paint(f'{severity}[{d.code}]', _COLOURS[d.severity])}: "
     lines = [_prefix(d.span) + head + paint(_shown(d.message), "1")]
     if d.span is not None:
         lines += _excerpt(d.span, texts, paint, _COLOURS[d.severity])
     for related in d.related:
-        note = paint(translated("note"), _COLOURS[Severity.NOTE])
+        note = paint(translated_word("note"), _COLOURS[Severity.NOTE])
         lines.append(f"{_prefix(related.span)}{note}: {_shown(related.label)}")
         lines += _excerpt(related.span, texts, paint, _COLOURS[Severity.NOTE])
     if d.hint:
-        lines.append(f"  {paint(translated('hint'), '1;32')}: {_shown(d.hint)}")
+        lines.append(f"  {paint(translated_word('hint'), '1;32')}: {_shown(d.hint)}")
     return "\n".join(lines) + "\n"
 
 

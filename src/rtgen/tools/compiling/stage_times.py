@@ -7,12 +7,11 @@ from dataclasses import dataclass
 from time import perf_counter_ns
 from typing import TypeAlias
 
+from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import table
 
 _MIN_NS = 50_000
 """Minimum duration; shorter stages are omitted, since they had nothing to do."""
-
-_TOTAL = "total"
 
 Path: TypeAlias = tuple[str, ...]
 """A stage's name, preceded by those of the enclosing stages."""
@@ -25,7 +24,9 @@ class _Row:
     note: str = ""
 
     def remark(self) -> str:
-        files = f"{self.files} file{'s' * (self.files != 1)}" if self.files else ""
+        files = ""
+        if self.files:
+            files = translated(f"{self.files} file{'s' * (self.files != 1)}")
         return ", ".join(filter(None, (self.note, files)))
 
 
@@ -70,12 +71,12 @@ class StageTimes:
         if not self._rows:
             return ""
         lines = [
-            ("  " * (len(path) - 1) + path[-1], row.ns, row.remark())
+            ("  " * (len(path) - 1) + translated_word(path[-1]), row.ns, row.remark())
             for path, row in self._rows.items()
             if row.ns >= _MIN_NS
         ]
-        lines.append((_TOTAL, self._clock() - self._start, ""))
-        cells = [("stage", "ms", "")]
+        lines.append((translated_word("total"), self._clock() - self._start, ""))
+        cells = [(translated_word("stage"), "ms", "")]
         cells += [(name, f"{ns / 1e6:.1f}", remark) for name, ns, remark in lines]
         return "\n".join(table(cells, right=(1,)))
 

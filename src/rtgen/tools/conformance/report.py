@@ -11,6 +11,7 @@ from typing import Final
 from xml.etree import ElementTree
 
 from rtgen.compiler.diagnostics.printable import printable
+from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import columns, padded
 
 
@@ -48,21 +49,31 @@ class Report:
         return all(o.verdict is not Verdict.FAILED for o in self.outcomes)
 
     @property
-    def summary(self) -> str:
+    def counts(self) -> list[str]:
         """The numbers of checks by verdict."""
         counts = Counter(o.verdict for o in self.outcomes)
-        return ", ".join(f"{counts[v]} {v.value}" for v in Verdict)
+        return [f"{counts[v]} {v.value}" for v in Verdict]
+
+    @property
+    def summary(self) -> str:
+        """The numbers of checks by verdict, in a line."""
+        return ", ".join(self.counts)
 
 
 def as_text(report: Report) -> str:
-    """Return a line for each check, its problems below it, and the summary."""
+    """Return a line for each check, its problems below it, and the summary, in the language."""
     lines = []
+    verdicts = {verdict: translated_word(verdict.value) for verdict in Verdict}
+    first = max(map(columns, verdicts.values()))
     width = max((columns(o.check) for o in report.outcomes), default=0)
     for o in report.outcomes:
         tried = f" ({o.tried})" if o.tried else ""
-        lines.append(f"{o.verdict.value:7}  {padded(o.check, width)}  {o.title}{tried}")
-        lines += (f"         {'':{width}}  - {printable(p)}" for p in o.problems)
-    return "\n".join([*lines, f"{printable(report.subject)}: {report.summary}", ""])
+        head = f"{padded(verdicts[o.verdict], first)}  {padded(o.check, width)}"
+        lines.append(f"{head}  {translated(o.title)}{tried}")
+        margin = " " * (first + 2 + width)
+        lines += (f"{margin}  - {printable(translated(p))}" for p in o.problems)
+    counted = ", ".join(map(translated, report.counts))
+    return "\n".join([*lines, f"{printable(report.subject)}: {counted}", ""])
 
 
 def as_json_text(report: Report) -> str:

@@ -13,6 +13,11 @@ import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.diagnostics.printable import printable
+from rtgen.compiler.kit.translation import (
+    translated,
+    translated_lines,
+    translated_word,
+)
 
 _OUTPUT: ContextVar[list[str | bytes] | None] = ContextVar("output", default=None)
 _DOCUMENTS = ("json", "sarif")
@@ -74,7 +79,11 @@ class Console(msgspec.Struct, frozen=True):
             write_error(report(findings, {}, self.form))
 
     def say(self, text: str) -> None:
-        """Print a line for people, unless quiet or in a machine-readable form."""
+        """Print lines for people in their language, unless quiet or in a machine-readable form."""
+        self.repeat(translated_lines(text))
+
+    def repeat(self, text: str) -> None:
+        """Print lines as `say`, but as they are, since a component or a user has written them."""
         if text and not self.quiet and self.form == "text":
             write_error(printable(f"{text}\n", "\n\t"))
 
@@ -85,8 +94,9 @@ class Console(msgspec.Struct, frozen=True):
         """
         if self.form != "text" or not (sys.stdin.isatty() and sys.stderr.isatty()):
             return None
-        lines = [question, *(f"{i:3} {each}" for i, each in enumerate(answers, 1))]
-        sys.stderr.write(printable("\n".join(lines) + "\nnumber: ", "\n\t"))
+        lines = [f"{i:3} {each}" for i, each in enumerate(answers, 1)]
+        lines = [translated(question), *lines, f"{translated_word('number')}: "]
+        sys.stderr.write(printable("\n".join(lines), "\n\t"))
         sys.stderr.flush()
         text = sys.stdin.readline().strip()
         if not text.isdecimal() or not 0 < int(text) <= len(answers):
@@ -148,8 +158,10 @@ def _folded(
             hidden = set(those).difference(lost)
             if not hidden:
                 continue
-            further = "further " if lost else ""
-            folded[file] = f"{len(hidden)} {further}deviation{'s' * (len(hidden) > 1)}"
+            folded[file] = (
+                f"{len(hidden)} {'further ' if lost else ''}"
+                f"deviation{'s' * (len(hidden) > 1)}"
+            )
             left_out |= hidden
     rest = [each for each in diagnostics if each not in left_out]
     return rest, folded
@@ -158,6 +170,11 @@ def _folded(
 def for_output(text: str) -> str:
     """Return a text for standard output; on a terminal, control characters are shown as U+FFFD."""
     return printable(text, "\n\t") if sys.stdout.isatty() else text
+
+
+def write_text(text: str) -> None:
+    """Write text for people to standard output, each line in their language."""
+    write_out(translated_lines(text))
 
 
 def write_out(text: str | bytes) -> None:

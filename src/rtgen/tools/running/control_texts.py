@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
+from rtgen.compiler.kit.translation import translated_word
+
 if TYPE_CHECKING:
     from rtgen.runtime.distribution.control import State
     from rtgen.runtime.distribution.descriptions import Description, Interface
@@ -34,6 +36,12 @@ def state_text(state: State | None) -> str:
     )
 
 
+def state_row(instance: str, state: State) -> tuple[str, ...]:
+    """Return the cells of a table, in the language."""
+    text = translated_word(state_text(state))
+    return instance, text, str(state.ticks), str(state.overruns)
+
+
 def state_json(instance: str, state: State | None) -> dict[str, Any]:
     if state is None:
         return {"instance": instance, "state": None}
@@ -55,14 +63,15 @@ def interface_json(interface: Interface) -> dict[str, str]:
 
 
 def port_lines(described: Description) -> Iterator[str]:
+    """Yield the ports and services of a component, in the language."""
     for kind, ports in (("in", described.in_ports), ("out", described.out_ports)):
         for name, port in ports.items():
-            yield f"{kind} {name}: {port.type}"
+            yield f"{translated_word(kind)} {name}: {port.type}"
     for kind, interfaces in (
         ("provides", described.providers),
         ("requires", described.consumers),
     ):
         for each in interfaces:
-            yield f"{kind} {each.port}.{each.instance}: {each.name}"
+            yield f"{translated_word(kind)} {each.port}.{each.instance}: {each.name}"
             if kind == "provides":
                 yield from (f"  {operation}" for operation in each.operations)

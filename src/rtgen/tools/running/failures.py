@@ -17,6 +17,7 @@ from typing import Any
 
 from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Span
 from rtgen.compiler.diagnostics.printable import printable
+from rtgen.compiler.kit.translation import translated_word
 from rtgen.compiler.project import shown
 from rtgen.compiler.systems.rules import BLOCKED, CALL, IMPORT, NOTICE, RAISED
 from rtgen.compiler.systems.timeline import Call as TimelineCall
@@ -341,7 +342,8 @@ class _LogHandler(logging.Handler):
     def emit(self, record: logging.LogRecord) -> None:
         if instance := instance_of(record):
             text = _FORM.format(record) if self._form != "none" else record.getMessage()
-            self._console.say(f"{record.levelname.lower()}: {instance}: {text}")
+            level = translated_word(record.levelname.lower())
+            self._console.repeat(f"{level}: {instance}: {text}")
             return
         if record.levelno < logging.WARNING:
             self._console.say(f"{record.levelname.lower()}: {record.getMessage()}")

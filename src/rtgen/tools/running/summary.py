@@ -9,6 +9,7 @@ from typing import NamedTuple
 
 import msgspec
 
+from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.compiler.systems.measures import Result
 from rtgen.facts.columns import table
 from rtgen.runtime.system.latency import Latency
@@ -98,29 +99,45 @@ class Outcome:
 
 
 def summary(outcome: Outcome) -> str:
-    """Return the report as text."""
+    """Return the report as text in the language."""
     cells = [
-        (r.instance, r.state, *map(_count, (r.ticks, r.overruns, r.lost)))
+        (
+            r.instance,
+            translated_word(r.state),
+            *map(_count, (r.ticks, r.overruns, r.lost)),
+        )
         for r in outcome.rows
     ]
-    lines = [*table([_HEADER, *cells], right=(2, 3, 4)), ""]
-    results = [*_results(outcome)]
+    lines = [
+        *table([tuple(map(translated_word, _HEADER)), *cells], right=(2, 3, 4)),
+        "",
+    ]
+    results = [(translated_word(name), value) for name, value in _results(outcome)]
     lines += table(results)
     if outcome.measured:
-        rows = [_MEASURES, *map(_measured, outcome.measured)]
+        rows = [
+            tuple(map(translated_word, _MEASURES)),
+            *map(_measured, outcome.measured),
+        ]
         lines += ["", *table(rows, right=(1, 2, 3, 4))]
     chains = [each for each in outcome.latencies if each.samples]
     if chains:
         shown = map(_latency, chains[:_MAX_CHAINS])
-        lines += ["", *table([_LATENCIES, *shown], right=(0, 1, 2, 3))]
+        lines += [
+            "",
+            *table(
+                [tuple(map(translated_word, _LATENCIES)), *shown], right=(0, 1, 2, 3)
+            ),
+        ]
     if len(chains) > _MAX_CHAINS:
-        lines.append(f"chains that are not shown: {len(chains) - _MAX_CHAINS} (--json)")
+        more = f"chains that are not shown: {len(chains) - _MAX_CHAINS} (--json)"
+        lines.append(translated(more))
     reasons = [note for row in outcome.rows for note in row.notes]
     reasons += outcome.links
     if outcome.missed:
         reasons.append(f"the goal is not reached: {outcome.missed}")
     if reasons:
-        lines += ["", *reasons]
+        lines += ["", *map(translated, reasons)]
     return "".join(f"{line}\n" for line in lines)
 
 
@@ -178,11 +195,11 @@ def _measured(result: Result) -> tuple[str, ...]:
     return (
         measure.name,
         f"{measure.begin:g}",
-        "end" if measure.end >= _NEVER else f"{measure.end:g}",
+        translated_word("end") if measure.end >= _NEVER else f"{measure.end:g}",
         f"{low:.3f}",
         f"{high:.3f}",
         f"{least} .. {most}".rstrip(),
-        "yes" if result.kept else "NO",
+        translated_word("yes" if result.kept else "NO"),
     )
 
 

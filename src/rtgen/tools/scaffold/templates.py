@@ -7,6 +7,7 @@ from pathlib import Path
 
 from rtgen.compiler.backends.kit.rendering import template_names, template_source
 from rtgen.compiler.diagnostics import InputError
+from rtgen.compiler.kit.translation import translated
 from rtgen.compiler.project import FILE_NAME, file, find, shown
 from rtgen.compiler.project.rules import UNKNOWN_TEMPLATE
 from rtgen.compiler.project.templates import no_template, template_folder
@@ -19,7 +20,9 @@ _SUMMARY = re.compile(r"{#\s*(.*?)\s*#}", re.DOTALL)
 
 def listing() -> str:
     """Return the names of all templates with what they make, one a line."""
-    summaries = {name: _summary(template_source(name)) for name in template_names()}
+    summaries = {
+        name: translated(_summary(template_source(name))) for name in template_names()
+    }
     return "".join(f"{line}\n" for line in table([*summaries.items()]))
 
 

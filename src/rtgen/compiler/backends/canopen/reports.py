@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 from rtgen.compiler.backends.canopen.literals import named
 from rtgen.compiler.backends.canopen.network_module import identity
@@ -76,15 +76,19 @@ def _what(write: StartWrite) -> str:
 
 
 def timing_text(
-    bus: Bus, header: Sequence[str], writings: Writings | None = None
+    bus: Bus,
+    header: Sequence[str],
+    writings: Writings | None = None,
+    *,
+    said: Callable[[str], str] = str,
 ) -> str:
     """Return load and worst-case response time of every message, the most urgent first.
 
-    `writings`: see `messages`.
+    `writings`: see `messages`. `said` translates the words of the table.
     """
     sent = messages(bus, writings)
     timings = list(response_times(sent, bus.bit_rate))
-    rows = [_HEAD, *(_timing(timing) for timing in timings)]
+    rows = [[*map(said, _HEAD)], *(_timing(timing, said) for timing in timings)]
     late = [t for t in timings if t.response is None or t.response > t.message.period]
     lines = [
         *(f"# {line}" for line in header),
@@ -107,7 +111,7 @@ def timing_text(
 _HEAD = ["identifier", "message", "octets", "period", "frame", "response"]
 
 
-def _timing(timing: Timing) -> list[str]:
+def _timing(timing: Timing, said: Callable[[str], str]) -> list[str]:
     message = timing.message
     return [
         _identifier(message),
@@ -115,7 +119,7 @@ def _timing(timing: Timing) -> list[str]:
         str(message.octets),
         _microseconds(message.period),
         _microseconds(timing.transmission),
-        "no bound" if timing.response is None else _microseconds(timing.response),
+        said("no bound") if timing.response is None else _microseconds(timing.response),
     ]
 
 

@@ -298,39 +298,39 @@ class _Writer:
     def _fill(self, node: _Node, name: str, pairs: dict[str, str]) -> _Node | None:
         """Set the attributes of an object or sub-object; return its parameter, if it has one."""
 
-        def say(attribute: str, value: str) -> None:
+        def put(attribute: str, value: str) -> None:
             if value:
                 node.attributes["", attribute] = _clean(value)
 
         type_ = pairs.pop("DataType", "")
         label = pairs.pop("ParameterName")
-        say("name", label)
-        say("objectType", str(int(pairs.pop("ObjectType", "7"), 16)))
+        put("name", label)
+        put("objectType", str(int(pairs.pop("ObjectType", "7"), 16)))
         subs = pairs.pop("SubNumber", "")
         flags = pairs.pop("ObjFlags", "")
         is_mapped = pairs.pop("PDOMapping", "0") == "1"
         parameter = None
         if type_:
             access = Access(pairs.pop("AccessType"))
-            say("PDOmapping", _ONE_WAY.get(access, "optional") if is_mapped else "no")
+            put("PDOmapping", _ONE_WAY.get(access, "optional") if is_mapped else "no")
             default = pairs.get("DefaultValue", "")
             word = _type_word(int(type_, 16), bool(default))
             if word is not None:
                 parameter = self._parameter(name, label, word, access, pairs)
-                say("uniqueIDRef", parameter.attributes["", "uniqueID"])
+                put("uniqueIDRef", parameter.attributes["", "uniqueID"])
             else:
                 code = int(type_, 16)
-                say("dataType", f"{code:0{2 if code <= 0xFF else 4}X}")
-                say("accessType", _SDO_ONLY.get(access, access).value)
+                put("dataType", f"{code:0{2 if code <= 0xFF else 4}X}")
+                put("accessType", _SDO_ONLY.get(access, access).value)
                 if access in _SDO_ONLY and not is_mapped:
                     pairs["AccessType"] = access.value
         for key, attribute in _ATTRIBUTES:
-            say(attribute, pairs.pop(key, ""))
+            put(attribute, pairs.pop(key, ""))
         if flags:
             number = int(flags, 16)
-            say("objFlags", f"{number:0{4 if number <= 0xFFFF else 8}X}")
+            put("objFlags", f"{number:0{4 if number <= 0xFFFF else 8}X}")
         if subs:
-            say("subNumber", str(int(subs, 16)))
+            put("subNumber", str(int(subs, 16)))
         self._others += [(extension(name, key), value) for key, value in pairs.items()]
         return parameter
 

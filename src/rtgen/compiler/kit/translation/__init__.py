@@ -60,6 +60,26 @@ def translated(text: str) -> str:
     return catalogue(language()).translated(text)
 
 
+def translated_word(word: str) -> str:
+    """Return a word that stands alone, such as the head of a column, in the language."""
+    if language() == ENGLISH:
+        return word
+    from rtgen.compiler.kit.translation.catalogue import WORD, catalogue
+
+    return catalogue(language(), WORD).translated(word)
+
+
+def translated_lines(text: str) -> str:
+    """Return lines of text, each in the language; the space before them stays."""
+    if language() == ENGLISH:
+        return text
+    lines = []
+    for line in text.split("\n"):
+        bare = line.lstrip()
+        lines.append(line[: len(line) - len(bare)] + translated(bare))
+    return "\n".join(lines)
+
+
 def translated_page(page: str) -> str:
     """Return a page of Markdown with each paragraph in the language; code stays."""
     if language() == ENGLISH:

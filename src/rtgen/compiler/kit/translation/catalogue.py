@@ -21,6 +21,8 @@ PAGE = "page"
 """The context of the texts of the page of `rtgen ui`."""
 SERVER = "server"
 """The context of what its server says to pages: names of edits, such as `move {0}`, are short."""
+WORD = "word"
+"""The context of words that stand alone; in texts, `state` is a name of a definition."""
 _CONTEXT = "\4"
 """Between a context and its text in a compiled catalogue."""
 _MAX_DEPTH = 4
