@@ -3,29 +3,43 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Any
 
+import msgspec
+
 from rtgen.runtime.distribution import local_runs
-from rtgen.runtime.distribution.local_link import LocalLink
-from rtgen.runtime.distribution.local_runs import Hello, Wire
-from rtgen.runtime.distribution.medium import PeerLostError
+from rtgen.runtime.distribution.local_link import LEFT_OUT, LocalLink
+from rtgen.runtime.distribution.local_runs import Event, Hello, Wire
+from rtgen.runtime.distribution.medium import MediumError, PeerLostError
 from rtgen.runtime.timing.clocks import SECOND
+from rtgen.tools.running.attached import (
+    FRAME,
+    READ,
+    RECORD,
+    WRITE,
+    SendFrame,
+    Transfer,
+)
+from rtgen.tools.running.recording_options import RecordingOptions
 from rtgen.ui import description
 from rtgen.ui.protocol import ui
 from rtgen.ui.remote_state import RemoteRun, RemoteState
 
 if TYPE_CHECKING:
+    from rtgen.runtime.canopen.wire.frames import Frame
     from rtgen.runtime.distribution.control import Asker
     from rtgen.runtime.distribution.medium import Subscription
     from rtgen.runtime.distribution.transport import DistributedTransport
     from rtgen.runtime.services.transports import RemotePort
+    from rtgen.ui.buses import Access
 
 
 class EngineLink:
     """See `peers_watcher.Link`; `connections` are those of the system's file."""
 
-    time = None
+    time = access = None
 
     def __init__(
         self,
@@ -45,6 +59,12 @@ class EngineLink:
         """The components of all processes."""
         return self._peers.instances
 
+    def follow(self, take: object) -> None:
+        """Do nothing: processes tell no events."""
+
+    def state(self, instance: str) -> None:
+        """Return None: states are asked for."""
+
     def look(self) -> RemoteState:
         """Return the connections of the file."""
         return self._state
@@ -53,13 +73,70 @@ class EngineLink:
 class RunLink:
     """See `peers_watcher.Link`; follows a run of this machine, and those after it.
 
-    When a run is over, the next one of the same system is joined. Raises OSError.
+    When a run is over, the next one of the same system is joined. Each one is recorded, if there is
+    a file for `recording`. Raises OSError, and MediumError if it cannot be recorded.
     """
 
-    def __init__(self, path: Path, told: Callable[[], None] = lambda: None) -> None:
+    def __init__(
+        self,
+        path: Path,
+        told: Callable[[], None] = lambda: None,
+        recording: RecordingOptions | None = None,
+    ) -> None:
         self._told = told
+        self._recording = recording or RecordingOptions()
+        self._take: Callable[[Event], None] = lambda event: None
         self._number = 1
-        self._link = LocalLink(path, told)
+        self._refused = ""
+        """Why the next run cannot be joined."""
+        self._link = self._joined(path)
+
+    def _joined(self, path: Path) -> LocalLink:
+        link = LocalLink(path, self._told, on_event=self._on_event)
+        if self._recording.file is not None:
+            options = self._recording.numbered(self._number)
+            file = str(Path((self._recording.file and options.file) or "").absolute())
+            octets = msgspec.msgpack.encode(replace(options, file=file))
+            try:
+                link.do(RECORD, octets)
+            except MediumError:
+                link.close()
+                raise
+        return link
+
+    def _on_event(self, event: Event) -> None:
+        self._take(event)
+
+    def follow(self, take: Callable[[Event], None]) -> None:
+        """See `Watcher`."""
+        self._take = take
+
+    def state(self, instance: str) -> tuple[str, str] | None:
+        """Return the state of a component, and its reason, as told last; None if never."""
+        return self._link.states.get(instance)
+
+    @property
+    def access(self) -> Access:
+        """The access to the simulated buses of the run."""
+        return self
+
+    def send(self, bus: str, frame: Frame, period: float) -> None:
+        """See `BusAccess`; raises MediumError only."""
+        sent = SendFrame(
+            bus, frame.can_id, frame.data, frame.remote, frame.extended, period
+        )
+        self._link.do(FRAME, msgspec.msgpack.encode(sent))
+
+    def read(self, bus: str, node: int, number: tuple[int, int]) -> bytes:
+        """See `BusAccess`; raises MediumError only."""
+        return self._link.do(READ, msgspec.msgpack.encode(Transfer(bus, node, number)))
+
+    def write(
+        self, bus: str, node: int, number: tuple[int, int], octets: bytes
+    ) -> None:
+        """See `BusAccess`; raises MediumError only."""
+        asked = Transfer(bus, node, number, octets)
+        self._link.do(WRITE, msgspec.msgpack.encode(asked))
 
     @property
     def hello(self) -> Hello:
@@ -87,12 +164,24 @@ class RunLink:
                 description.flow(each.name, each.losses, each.rate)
                 for each in link.wires
             ],
-            run=RemoteRun(self._number, link.hello.name, self._ended()),
+            chains=[*map(description.chain, link.chains)],
+            run=RemoteRun(
+                self._number,
+                link.hello.name,
+                self._ended(),
+                link.hello.doc,
+                tuple(map(description.planned, link.hello.plan)),
+                LEFT_OUT if link.dropped else "",
+            ),
         )
 
     def _ended(self) -> str:
         end, hello = self._link.end, self._link.hello
-        return end and f"{end}. This page goes on when it runs again: {hello.command}"
+        if not end:
+            return ""
+        refused = self._refused and f" The next run cannot be shown: {self._refused}."
+        again = f"This page goes on when it runs again: {hello.command}"
+        return f"{end}.{refused} {again}"
 
     def _join_next(self) -> None:
         ended = self._link.hello
@@ -104,12 +193,19 @@ class RunLink:
                 and hello.time > ended.time
             )
             path = next(following, None)
-            if path is not None:
-                former, self._link = self._link, LocalLink(path, self._told)
-                former.close()
-                self._number += 1
         except OSError:
             return  # It is looked for again.
+        if path is None:
+            return
+        self._number += 1
+        try:
+            former, self._link = self._link, self._joined(path)
+        except (OSError, MediumError) as error:
+            self._number -= 1
+            self._refused = str(error)
+            return
+        former.close()
+        self._refused = ""
 
     def asker(self, instance: str) -> Asker:
         """See `LocalLink`."""

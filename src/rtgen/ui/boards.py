@@ -13,6 +13,8 @@ from rtgen.runtime.opaque_rpc.errors import RpcError
 from rtgen.runtime.opaque_rpc.messages import HEAD, PacketReader
 from rtgen.runtime.opaque_rpc.proxy import ProxyServant
 from rtgen.runtime.rtc.component import Component
+from rtgen.runtime.timing.clocks import SECOND
+from rtgen.runtime.timing.traffic import BoardCall
 from rtgen.ui.protocol import ui
 
 _RETURN: Final = "return"
@@ -40,7 +42,24 @@ def is_marshaller(factory: object) -> bool:
     )
 
 
-def describe(call: ui.BoardCall, codec: Codec) -> None:
+def described_call(
+    made: BoardCall, time: float, codec: Codec | None, round_trip: float | None = None
+) -> ui.BoardCall:
+    """Describe a call at a time [s], with function and values if its codec is known."""
+    call = ui.BoardCall(
+        time=time,
+        instance=made.instance,
+        request=made.request,
+        reply=made.reply,
+        round_trip=made.duration / SECOND if round_trip is None else round_trip,
+        error=made.error,
+    )
+    if codec is not None:
+        _describe(call, codec)
+    return call
+
+
+def _describe(call: ui.BoardCall, codec: Codec) -> None:
     """Add function and values to a call, if the codec can decode its octets."""
     packet = PacketReader(call.request)
     head = packet.head(HEAD)

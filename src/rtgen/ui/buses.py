@@ -2,20 +2,19 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import dataclass, field
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from dataclasses import dataclass
 from typing import Final, Protocol
 
 from rtgen.runtime.canopen.bus.arbitration import frame_bits
-from rtgen.runtime.canopen.bus.links import simulated_bus
-from rtgen.runtime.canopen.bus.simulated_bus import SimulatedCanBus
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import Frame
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, command_frame
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
-from rtgen.runtime.system.system import System
-from rtgen.runtime.timing.clocks import SECOND
+from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.timing.traffic import BusFrame
+from rtgen.tools.running.bus_access import RealBusError
 from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
 
@@ -28,9 +27,6 @@ COMMANDS: Final = {
 }
 _WINDOW: Final = 1.0
 """The time over which the load is measured [s]."""
-_MIN_PERIOD: Final = 0.001
-MAX_CYCLIC_FRAMES: Final = 64
-"""Maximum number of cyclic frames per bus."""
 
 
 class Describer(Protocol):
@@ -59,7 +55,6 @@ class _Bus:
     window: float = 0.0
     bits: int = 0
     frames: int = 0
-    cyclic: dict[tuple[int, bool], Callable[[], None]] = field(default_factory=dict)
 
 
 DescriberOf = Callable[[str, str], Describer]
@@ -145,51 +140,46 @@ class SeenBuses:
         self._publish(ui.Event.of_carried(load))
 
 
+class Access(Protocol):
+    """Who sends frames and transfers objects, see `running.bus_access.BusAccess`."""
+
+    def send(self, bus: str, frame: Frame, period: float) -> None: ...
+
+    def read(self, bus: str, node: int, number: tuple[int, int]) -> bytes: ...
+
+    def write(
+        self, bus: str, node: int, number: tuple[int, int], octets: bytes
+    ) -> None: ...
+
+
 class Buses(SeenBuses):
-    """The buses of a system, with the commands of pages for them."""
+    """The buses of a run, with the commands of pages for them; see `SeenBuses`."""
 
     def __init__(
         self,
-        system: System,
         describer: DescriberOf,
+        settings: Callable[[], Iterable[Mapping[str, str]]],
         publish: Callable[[ui.Event], None],
+        access: Access,
     ) -> None:
-        super().__init__(describer, self._values, publish)
-        self._system = system
-        for values in self._values():
+        super().__init__(describer, settings, publish)
+        self.access = access
+        self.open()
+
+    def open(self) -> None:
+        """Show the described buses of components, before the first frame."""
+        for values in self._settings():
             if values.get("channel") and values.get("network"):
                 self._bus(values["channel"])
 
-    def _values(self) -> Iterable[Mapping[str, str]]:
-        for instance in self._system.instances:
-            sets = self._system.component(instance).configuration_sets
-            yield sets.texts(sets.active)
-
     def send(self, command: ui.SendFrame) -> None:
         """Send a frame once, or from now on with a period; a period 0 ends that."""
-        bus, link = self._existing_bus(command.bus), self._link(command.bus)
-        try:
+        self._existing_bus(command.bus)
+        with _explained():
             frame = Frame(
                 command.can_id, command.data, command.remote, command.extended
             )
-        except ValueError as error:
-            raise CommandError(BAD_VALUE, str(error)) from error
-        key = command.can_id, command.extended
-        if key in bus.cyclic:
-            bus.cyclic.pop(key)()
-            if not command.period:
-                return
-        if not command.period:
-            _put(link, frame)
-            return
-        if not command.period >= _MIN_PERIOD:
-            raise CommandError(BAD_VALUE, f"a period of {command.period:g} s")
-        if len(bus.cyclic) >= MAX_CYCLIC_FRAMES:
-            raise CommandError(
-                BAD_VALUE, f"{MAX_CYCLIC_FRAMES} cyclic frames are sent already"
-            )
-        period = round(command.period * SECOND)
-        bus.cyclic[key] = self._system.every(period, lambda: link.send([frame]))
+            self.access.send(command.bus, frame, command.period)
 
     def manage(self, command: ui.NmtCommand) -> None:
         """Send an NMT command to a node or to all nodes."""
@@ -199,28 +189,24 @@ class Buses(SeenBuses):
             raise CommandError(UNKNOWN, message)
         if command.node_id > 127:
             raise CommandError(BAD_VALUE, f"{command.node_id} is not a node-id")
+        self._existing_bus(command.bus)
         frame = command_frame(COMMANDS[command.command], command.node_id)
-        _put(self._link(command.bus), frame)
+        with _explained():
+            self.access.send(command.bus, frame, 0.0)
 
     def read(self, access: ui.SdoAccess) -> tuple[str, bytes]:
         """Read an object of a node; return its value as text, and its octets."""
         bus, number = self._existing_bus(access.bus), _number(access)
-        channel = self._link(access.bus).sdo(_node(access.node_id))
-        try:
-            octets = channel.upload(*number)
-        except (SdoAbort, LinkError) as error:
-            raise CommandError(CALL_FAILED, str(error)) from error
+        with _explained():
+            octets = self.access.read(access.bus, _node(access.node_id), number)
         return bus.describer.text(access.node_id, number, octets), octets
 
     def write(self, access: ui.SdoAccess) -> None:
         """Write an object of a node."""
         bus, number = self._existing_bus(access.bus), _number(access)
         octets = bus.describer.octets(access.node_id, number, access.text)
-        channel = self._link(access.bus).sdo(_node(access.node_id))
-        try:
-            channel.download(*number, octets)
-        except (SdoAbort, LinkError) as error:
-            raise CommandError(CALL_FAILED, str(error)) from error
+        with _explained():
+            self.access.write(access.bus, _node(access.node_id), number, octets)
 
     def objects(self, address: ui.NodeAddress) -> list[ui.ObjectEntry]:
         """Return the object dictionary of a node."""
@@ -232,23 +218,19 @@ class Buses(SeenBuses):
             raise CommandError(UNKNOWN, f"there is no bus {name!r}; known: {names}")
         return self._buses[name]
 
-    def _link(self, name: str) -> SimulatedCanBus:
-        self._existing_bus(name)
-        network = self._system.clock.network
-        if network is None:
-            raise CommandError(
-                IMPOSSIBLE,
-                "pages send on simulated buses only",
-                "`rtgen can send` and `rtgen can sdo` reach a real one",
-            )
-        return simulated_bus(network, name)
 
-
-def _put(link: SimulatedCanBus, frame: Frame) -> None:
+@contextmanager
+def _explained() -> Iterator[None]:
+    """Raise CommandError for the errors of an access."""
     try:
-        link.send([frame])
-    except LinkError as error:
+        yield
+    except RealBusError as error:
+        hint = "`rtgen can send` and `rtgen can sdo` reach a real one"
+        raise CommandError(IMPOSSIBLE, str(error), hint) from error
+    except (SdoAbort, LinkError, MediumError) as error:
         raise CommandError(CALL_FAILED, str(error)) from error
+    except ValueError as error:
+        raise CommandError(BAD_VALUE, str(error)) from error
 
 
 def _number(access: ui.SdoAccess) -> tuple[int, int]:

@@ -28,6 +28,7 @@ from rtgen.runtime.timing.clocks import SECOND
 from rtgen.ui import calls, renames, saving
 from rtgen.ui.adjusting import adjust
 from rtgen.ui.changes import ends_of, new_component, unwritten
+from rtgen.ui.comparing import Comparing, Later
 from rtgen.ui.description import properties_of
 from rtgen.ui.documents.document import DocumentError
 from rtgen.ui.documents.profile import Change
@@ -49,7 +50,7 @@ from rtgen.ui.outbox import Outbox
 from rtgen.ui.project import Known
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind
-from rtgen.ui.remote_commands import Action, RemoteCommands
+from rtgen.ui.remote_commands import RemoteCommands
 from rtgen.ui.session import Session
 from rtgen.ui.texts import explained
 
@@ -59,6 +60,7 @@ READING: Final = frozenset(
         CommandKind.COMMAND_FITS,
         CommandKind.COMMAND_OBJECTS,
         CommandKind.COMMAND_LOOK,
+        CommandKind.COMMAND_RECORDINGS,
     )
 )
 """Commands that a read-only page may send."""
@@ -126,6 +128,7 @@ class Commands:
         }
         self._injector = calls.Injector()
         self._remote_commands = RemoteCommands(session)
+        self._comparing = Comparing(session)
 
     def is_urgent(self, page: Outbox, message: ui.ClientMessage) -> bool:
         """Return whether a command can be carried out at once, in any thread.
@@ -152,18 +155,17 @@ class Commands:
         self,
         page: Outbox,
         result: ui.Result,
-        action: Callable[[], Action | None],
+        action: Callable[[], Later | None],
     ) -> None:
         """Execute an action, and report to the page whether it succeeded.
 
-        The action may return another one, for the thread that calls other processes.
+        The action may return another one, for another thread.
         """
         try:
-            elsewhere = action()
-            if elsewhere is not None:
-                watcher = self._session.watcher
-                answer = partial(self._answer, page, result, elsewhere)
-                if watcher is None or not watcher.submit(answer):
+            later = action()
+            if later is not None:
+                answer = partial(self._answer, page, result, later.action)
+                if not later.submit(answer):
                     raise CommandError(IMPOSSIBLE, "too many commands wait")
                 return
         except CommandError as error:
@@ -183,13 +185,14 @@ class Commands:
 
     def _dispatch(
         self, page: Outbox, command: ui.Command, result: ui.Result
-    ) -> Action | None:
+    ) -> Later | None:
         kind = command.discriminator
         value: Any = command.value
         _require_right(page, command)
         elsewhere = self._remote_commands.action(command, result)
-        if elsewhere is not None:
-            return elsewhere
+        watcher = self._session.watcher
+        if elsewhere is not None and watcher is not None:
+            return Later(watcher.submit, elsewhere)
         if kind in _OF_FILES and self._session.others.is_attached:
             raise CommandError(
                 IMPOSSIBLE,
@@ -200,6 +203,10 @@ class Commands:
             self._session.watch(page, value)
         elif kind is CommandKind.COMMAND_LOOK:
             self._session.look(page, value)
+        elif kind is CommandKind.COMMAND_RECORDINGS:
+            result.files = [*self._session.project.recordings]
+        elif kind is CommandKind.COMMAND_COMPARE:
+            return self._comparing.compare(value)
         elif kind is CommandKind.COMMAND_FITS:
             result.fits = fits(self._session, value)
         elif kind is CommandKind.COMMAND_CALL:

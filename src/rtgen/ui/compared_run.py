@@ -5,16 +5,21 @@ from __future__ import annotations
 import math
 from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
+from typing import Final
 
 import msgspec
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.runtime.marshalling.descriptors import Descriptor
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.ui.buses import DescriberOf
 from rtgen.ui.history import History
 from rtgen.ui.protocol import ui
 from rtgen.ui.reading import MAX_OCTETS, Reading
 from rtgen.ui.type_table import TypeTable
+
+_PART: Final = 60.0
+"""Maximum time that is reported at once [s]."""
 
 
 class ComparedRun(msgspec.Struct, eq=False):
@@ -24,16 +29,26 @@ class ComparedRun(msgspec.Struct, eq=False):
     _history: History
     channels: Mapping[int, ui.Channel]
     """The channels for pages, by their numbers in the history."""
+    _descriptors: Mapping[int, Descriptor] = {}
 
     _reported: float = -math.inf
+
+    def enter_types(self, types: TypeTable) -> None:
+        """Give the channels of a recording the numbers of their types in a table."""
+        for each in self.channels.values():
+            each.type_number = types.number(self._descriptors.get(each.id))
 
     def begin(self) -> None:
         """Restart the reporting from the beginning of the other run."""
         self._reported = -math.inf
 
     def until(self, time: float) -> tuple[list[ui.Event], list[ui.Sample]]:
-        """Return the changes of state and samples from the last call up to a time, exclusive."""
-        start, self._reported = self._reported, max(time, self._reported)
+        """Return the changes of state and samples from the last call up to a time, exclusive.
+
+        Of a long time, only the next part.
+        """
+        start = self._reported
+        self._reported = max(min(time, max(start, 0.0) + _PART), start)
         changes = self._history.changes_between(start, self._reported)
         samples = self._history.samples_between(start, self._reported, self.channels)
         return [*_as_other_run(changes)], [
@@ -50,20 +65,17 @@ def _as_other_run(changes: Sequence[ui.Event]) -> Iterator[ui.Event]:
             yield event
 
 
-def read(
-    file: str,
-    types: TypeTable,
-    numbers: Iterator[int],
-    describer: DescriberOf,
-) -> ComparedRun:
-    """Read a recording. Raises ToolError."""
-    reading = Reading(History(MAX_OCTETS), types, numbers, describer, lambda _: None)
+def read(file: str, numbers: Iterator[int], describer: DescriberOf) -> ComparedRun:
+    """Read a recording, from any thread; `enter_types` follows. Raises ToolError."""
+    reading = Reading(
+        History(MAX_OCTETS), TypeTable(), numbers, describer, lambda _: None
+    )
     try:
         reading.read(file, beside=True)
     except RecordingError as error:
         raise ToolError(str(error), hint=error.hint) from error
     channels = {each.id: each for each in reading.channels}
-    return ComparedRun(Path(file).name, reading.history, channels)
+    return ComparedRun(Path(file).name, reading.history, channels, reading.descriptors)
 
 
 def kept(

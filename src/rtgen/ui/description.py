@@ -7,20 +7,14 @@ from inspect import getdoc
 from typing import Any, Final
 
 from rtgen.compiler.model import Connection
-from rtgen.compiler.systems.timeline import (
-    Call,
-    Connect,
-    Disconnect,
-    SetParameter,
-    StateRequest,
-    Step,
-)
+from rtgen.runtime.distribution.local_runs import Planned
 from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.rtc.component import Component as Rtc
 from rtgen.runtime.rtc.profiles import ComponentProfile, ParameterProfile, PortProfile
 from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.servants import ServiceError, operations_of
 from rtgen.runtime.system.joining import Connector, instances_of
+from rtgen.runtime.system.latency import Latency
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.member_units import MemberUnits, units_of
@@ -28,12 +22,13 @@ from rtgen.tools.recording.recorder import cdr_encoder
 from rtgen.ui.protocol import ui
 from rtgen.ui.type_table import NO_TYPE, TypeTable
 
-STATES: Final = {
-    LifeCycleState.CREATED_STATE: ui.State.STATE_CREATED,
-    LifeCycleState.INACTIVE_STATE: ui.State.STATE_INACTIVE,
-    LifeCycleState.ACTIVE_STATE: ui.State.STATE_ACTIVE,
-    LifeCycleState.ERROR_STATE: ui.State.STATE_ERROR,
+STATES_BY_NAME: Final = {
+    "CREATED_STATE": ui.State.STATE_CREATED,
+    "INACTIVE_STATE": ui.State.STATE_INACTIVE,
+    "ACTIVE_STATE": ui.State.STATE_ACTIVE,
+    "ERROR_STATE": ui.State.STATE_ERROR,
 }
+STATES: Final = {LifeCycleState[name]: state for name, state in STATES_BY_NAME.items()}
 
 
 class Description:
@@ -215,23 +210,17 @@ def properties_of(connector: Connector) -> Mapping[str, str]:
     return properties
 
 
-def planned(step: Step) -> ui.PlannedEvent:
+def planned(event: Planned) -> ui.PlannedEvent:
     """Describe an event of the timeline."""
-    event = ui.PlannedEvent(time=step.time / SECOND)
-    match step.action:
-        case Disconnect(name):
-            event.kind, event.text = "disconnect", name
-        case Connect(name, source, target):
-            event.kind, event.text = "connect", f"{source} to {target}"
-            event.source = ui.PortAddress(instance=source.instance, port=source.port)
-            event.target = ui.PortAddress(instance=target.instance, port=target.port)
-        case SetParameter(instance, parameter, text):
-            event.kind, event.text = "set", f"{instance}.{parameter} = {text}"
-        case StateRequest(request, instance):
-            event.kind, event.text = request, instance
-        case Call(text=call):
-            event.kind, event.text = "call", call.text
-    return event
+    source, target = ui.PortAddress(*event.source), ui.PortAddress(*event.target)
+    return ui.PlannedEvent(event.time / SECOND, event.kind, event.text, source, target)
+
+
+def chain(latency: Latency) -> ui.Chain:
+    """Describe the latency of a chain of connections."""
+    times = latency.least, latency.median, latency.late, latency.greatest
+    seconds = (each / SECOND for each in times)
+    return ui.Chain(latency.name, [*latency.ports], latency.samples, *seconds)
 
 
 def flow(name: str, losses: Mapping[str, int], rate: float) -> ui.Flow:

@@ -8,11 +8,36 @@ from typing import Any, Final
 
 from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector
+from rtgen.runtime.system.system import System
 from rtgen.ui import description
 from rtgen.ui.protocol import ui
 
 _SPAN: Final = 1.0
 """The time of the run over which samples are counted [s]."""
+
+
+class Chains:
+    """The latencies of the chains of a system, measured from the first look on.
+
+    They are measured anew when its connections have changed.
+    """
+
+    def __init__(self, system: System) -> None:
+        self.latest: list[ui.Chain] = []
+        self.others: Sequence[ui.Chain] = ()
+        """Those of other processes."""
+        self._system = system
+        self._measured: Sequence[Connector] | None = None
+
+    def changed(self) -> bool:
+        """Return whether `latest` is another one now."""
+        connectors = self._system.connectors
+        if connectors != self._measured:
+            self._measured = connectors
+            self._system.measure_latencies()
+        own = map(description.chain, self._system.latencies)
+        before, self.latest = self.latest, [*own, *self.others]
+        return self.latest != before
 
 
 class Flows:

@@ -206,22 +206,22 @@ def _attached(
 
     Raises InputError, Refusal, ToolError.
     """
+    from rtgen.runtime.distribution.medium import MediumError
     from rtgen.ui.attaching import RunLink
 
     if (
         options.name_servers
-        or options.recording.file is not None
         or options.own_systems
         or options.engine.transport != "direct"
     ):
         raise Refusal(
-            "--attach shows a run of this machine: without SYSTEM, --transport, "
-            "--nameserver and --record, which `rtgen run` has"
+            "--attach shows a run of this machine: without SYSTEM, --transport and "
+            "--nameserver"
         )
     path = _chosen_run(options.attached or "", console)
     try:
-        link = RunLink(path)
-    except OSError as error:
+        link = RunLink(path, recording=options.recording)
+    except (OSError, MediumError) as error:
         raise ToolError(str(error)) from error
     hello = link.hello
     files = [hello.file] if Path(hello.file).is_file() else []

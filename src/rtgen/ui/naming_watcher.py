@@ -136,6 +136,11 @@ class NamingWatcher:
     def time(self) -> None:
         """None: each component has a time of its own."""
 
+    access = None
+
+    def follow(self, take: object) -> None:
+        """Do nothing: components are watched, and no run."""
+
     def close(self) -> None:
         """Stop polling; waits for a call in progress.
 

@@ -2,21 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
 from typing import TYPE_CHECKING
 
 from msgspec.structs import replace
 
 from rtgen.facts.openrtm_ports import KIND
+from rtgen.runtime.distribution.local_runs import Changed, Noted, OnBoard, OnBus
+from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.member_units import MemberUnits
-from rtgen.ui.description import member_units
+from rtgen.ui import boards
+from rtgen.ui.description import STATES_BY_NAME, member_units
 from rtgen.ui.protocol import ui
 from rtgen.ui.remote_state import RemoteState
 from rtgen.ui.type_table import NO_TYPE
 from rtgen.ui.watching import Attach, Key, Use, Watcher
 
 if TYPE_CHECKING:
+    from rtgen.runtime.distribution.local_runs import Event
+    from rtgen.runtime.opaque_rpc.codecs import Codec
     from rtgen.ui.session_view import SessionView
 
 
@@ -30,10 +35,14 @@ class OtherProcesses:
         self._session = session
         self.state = RemoteState()
         self.watcher: Watcher | None = None
+        self._codecs: dict[str, Codec | None] = {}
 
     def follow(self, attach: Attach) -> None:
         """Begin to watch."""
         self.watcher = attach(self._update, self._report)
+        if self.watcher.access is not None:
+            self._session.buses.access = self.watcher.access
+        self.watcher.follow(self._take_event)
 
     def close(self) -> None:
         """Stop watching."""
@@ -72,6 +81,60 @@ class OtherProcesses:
         """Publish the changes; from any thread."""
         return self._session.runner.submit(partial(self._changed, state))
 
+    @property
+    def settings(self) -> Iterator[Mapping[str, str]]:
+        """The values of the parameters of each component."""
+        for component in [*self.state.components.values()]:
+            for each in component.configuration_sets:
+                if each.name == component.active_set:
+                    yield {value.name: value.text for value in each.values}
+
+    def codec(self, communication: str) -> Codec | None:
+        """Return the codec of the marshaller that is connected to a communication RTC."""
+        if communication not in self._codecs:
+            codec_of = self._session.project.codec
+            ends = (
+                {each.source.instance, each.target.instance}
+                for each in self.state.connections.values()
+            )
+            types = (
+                self.state.components[other].type
+                for pair in ends
+                if communication in pair
+                for other in pair - {communication}
+                if other in self.state.components
+            )
+            self._codecs[communication] = next(filter(None, map(codec_of, types)), None)
+        return self._codecs[communication]
+
+    def _take_event(self, event: Event) -> None:
+        self._session.runner.submit(partial(self._happened, event))
+
+    def _happened(self, event: Event) -> None:
+        session, time = self._session, event.time / SECOND
+        match event:
+            case OnBus(frame=frame):
+                session.buses.on_frame(frame, time)
+            case OnBoard(call=called):
+                session.publish(
+                    ui.Event.of_call(
+                        boards.described_call(called, time, self.codec(called.instance))
+                    )
+                )
+            case Noted(kind=kind, instance=instance, text=text):
+                session.notice(kind, instance, text)
+            case Changed(instance=instance, reason=reason):
+                component = self.state.components.get(instance)
+                after = STATES_BY_NAME[event.after]
+                if component is None or component.current is after:
+                    return  # It is not known yet, or has been asked for meanwhile.
+                component.current, component.reason = after, reason
+                before = STATES_BY_NAME[event.before]
+                change = ui.StateChange(
+                    time, instance, event.ec_id, before, after, reason
+                )
+                session.publish(ui.Event.of_change(change))
+
     def _report(self, instance: str, text: str) -> None:
         session = self._session
         session.runner.submit(lambda: session.notice("error", instance, text))
@@ -80,6 +143,10 @@ class OtherProcesses:
         session = self._session
         before, self.state = self.state, state.known(self._completed)
         session.flows.others = self.state.flows
+        session.chains.others = self.state.chains
+        if self.state.connections.keys() != before.connections.keys():
+            self._codecs.clear()
+        session.buses.open()
         if self.state.run.number != before.run.number:
             session.run_again()
             session.edits.forget()
@@ -96,6 +163,8 @@ class OtherProcesses:
         opened = self.open()
         changes = self.state.changes(before, session.now)
         session.publish(*map(self._placed, changes), *map(ui.Event.of_opened, opened))
+        if self.state.run.less and not before.run.less:
+            session.notice("lost", "", self.state.run.less)
         if self.state.run.ended != before.run.ended:
             if self.state.run.ended:
                 session.notice("end", "", self.state.run.ended)

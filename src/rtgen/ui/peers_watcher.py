@@ -28,7 +28,7 @@ from rtgen.runtime.system.json_calls import (
 from rtgen.runtime.system.json_printers import plain
 from rtgen.tools.recording.recorder import cdr_encoder
 from rtgen.ui.calls import carried_out
-from rtgen.ui.description import parameter
+from rtgen.ui.description import STATES_BY_NAME, parameter
 from rtgen.ui.edits import Edit
 from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
@@ -38,17 +38,13 @@ from rtgen.ui.request_thread import RequestThread
 from rtgen.ui.watching import Key, Take
 
 if TYPE_CHECKING:
+    from rtgen.runtime.distribution.local_runs import Event
     from rtgen.runtime.marshalling.descriptors import DataType
     from rtgen.runtime.services.servants import Servant
+    from rtgen.ui.buses import Access
 
 _PERIOD: Final = 0.5
 """The time between two queries of all components [s]."""
-_STATES: Final = {
-    "CREATED_STATE": ui.State.STATE_CREATED,
-    "INACTIVE_STATE": ui.State.STATE_INACTIVE,
-    "ACTIVE_STATE": ui.State.STATE_ACTIVE,
-    "ERROR_STATE": ui.State.STATE_ERROR,
-}
 _REQUESTS: Final = {
     CommandKind.COMMAND_ACTIVATE: "activate",
     CommandKind.COMMAND_DEACTIVATE: "deactivate",
@@ -66,6 +62,16 @@ class Link(Protocol):
     @property
     def time(self) -> float | None:
         """The time of the run [s]; None if the processes have no common one."""
+
+    @property
+    def access(self) -> Access | None:
+        """See `Watcher`."""
+
+    def follow(self, take: Callable[[Event], None]) -> None:
+        """See `Watcher`."""
+
+    def state(self, instance: str) -> tuple[str, str] | None:
+        """Return the state of a component, and its reason, as told last; None if never."""
 
     def look(self) -> RemoteState:
         """Return the connections, with their flows, and the run, if these are known."""
@@ -124,6 +130,15 @@ class PeersWatcher:
         """See `Watcher`."""
         return self._link.time
 
+    @property
+    def access(self) -> Access | None:
+        """See `Watcher`."""
+        return self._link.access
+
+    def follow(self, take: Callable[[Event], None]) -> None:
+        """See `Watcher`."""
+        self._link.follow(take)
+
     def close(self) -> None:
         """Stop watching; waits for a call in progress. States stay as they are."""
         self._thread.close()
@@ -177,13 +192,14 @@ class PeersWatcher:
         self._statistics[instance] = ui.Statistics(
             instance=instance, ticks=state.ticks, overruns=state.overruns
         )
+        told = self._link.state(instance) or (state.state, state.reason)
         rate = known.rate
         self._components[instance] = ui.Component(
             instance=instance,
             type=known.type,
             doc=known.doc,
-            current=_STATES.get(state.state, ui.State.STATE_CREATED),
-            reason=state.reason,
+            current=STATES_BY_NAME.get(told[0], ui.State.STATE_CREATED),
+            reason=told[1],
             contexts=(
                 []
                 if rate is None

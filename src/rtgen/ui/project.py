@@ -18,6 +18,7 @@ from rtgen.ui.buses import Describer
 from rtgen.ui.documents.document import Document
 
 if TYPE_CHECKING:
+    from rtgen.runtime.opaque_rpc.codecs import Codec
     from rtgen.tools.renaming.plan import Renaming
 
 
@@ -52,6 +53,13 @@ class Project(Protocol):
     @property
     def systems(self) -> Sequence[str]:
         """The files that can be opened."""
+
+    @property
+    def recordings(self) -> Sequence[str]:
+        """The recordings that can be compared with a run, the latest first."""
+
+    def recording(self, name: str) -> str:
+        """Return the file of a recording of the project. Raises CommandError."""
 
     def read(self, file: str) -> Opened:
         """Read the system of a file. Raises InputError."""
@@ -118,6 +126,9 @@ class Project(Protocol):
 
     def interface(self, name: str) -> type[Servant] | None:
         """Return an interface by its scoped name or the last part of that; None if unknown."""
+
+    def codec(self, type_: str) -> Codec | None:
+        """Return the codec of a marshaller type; None for another type."""
 
     def palette(self) -> Sequence[ComponentProfile]:
         """Return the component types of which pages can add instances."""

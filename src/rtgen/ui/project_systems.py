@@ -3,8 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import ExitStack
-from dataclasses import replace
+from contextlib import ExitStack, suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -58,6 +57,8 @@ if TYPE_CHECKING:
     from rtgen.ui.project import Known, Opened, RunWatcher
 
 _SUFFIXES = (".xml", ".yaml", ".yml")
+_RECORDING = ".mcap"
+_MAX_RECORDINGS = 100
 
 
 class CommandProject:
@@ -97,6 +98,33 @@ class CommandProject:
         """The systems on the command line."""
         return self._files
 
+    @property
+    def recordings(self) -> Sequence[str]:
+        """The recordings in the working folder, and beside the systems of the command line."""
+        files: dict[Path, float] = {}
+        for folder in self._roots():
+            with suppress(OSError):
+                for path in folder.glob(f"*{_RECORDING}"):
+                    files[path] = path.stat().st_mtime
+        latest = sorted(files, key=lambda each: files[each], reverse=True)
+        return [shown(each) for each in latest[:_MAX_RECORDINGS]]
+
+    def recording(self, name: str) -> str:
+        """Return the file of a recording below those folders."""
+        path = Path(name).resolve()
+        inside = any(path.is_relative_to(each) for each in self._roots())
+        if path.suffix.lower() != _RECORDING or not inside:
+            raise CommandError(
+                FILE,
+                f"{name} is not a recording of the project",
+                f"a file {_RECORDING} in the working folder, or beside the system",
+            )
+        return str(path)
+
+    def _roots(self) -> list[Path]:
+        beside = (Path(each).resolve().parent for each in self._files)
+        return [Path.cwd().resolve(), *beside]
+
     def read(self, file: str) -> Opened:
         """Return the system of a file or folder; without one, a system without components."""
         from rtgen.ui.documents.document import Document
@@ -135,8 +163,7 @@ class CommandProject:
         Only a file that describes a system is replaced.
         """
         path = _path_of(file).resolve()
-        roots = [Path.cwd(), *(Path(each).resolve().parent for each in self._files)]
-        inside = any(path.is_relative_to(root.resolve()) for root in roots)
+        inside = any(path.is_relative_to(each) for each in self._roots())
         if path.suffix.lower() not in _SUFFIXES or not inside:
             raise CommandError(
                 FILE,
@@ -277,11 +304,7 @@ class CommandProject:
     def record(self, system: runtime.System) -> Callable[[], None]:
         """Record a run; each has a file of its own: `FILE.mcap`, `FILE-2.mcap`, ..."""
         self._runs += 1
-        options = self._recording
-        if options.file is not None and self._runs > 1:
-            path = Path(options.file)
-            file = path.with_name(f"{path.stem}-{self._runs}{path.suffix}")
-            options = replace(options, file=str(file))
+        options = self._recording.numbered(self._runs)
         files = ExitStack()
         recorder = options.begin(files, system)
 

@@ -7,10 +7,11 @@ from collections.abc import Callable, Iterator
 from typing import Any, Final
 
 from rtgen.runtime.cdr import CdrError
+from rtgen.runtime.marshalling.descriptors import Descriptor
 from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.return_codes import LifeCycleState
 from rtgen.runtime.timing.clocks import SECOND
-from rtgen.runtime.timing.traffic import BusFrame
+from rtgen.runtime.timing.traffic import BoardCall, BusFrame
 from rtgen.tools.recording import messages
 from rtgen.tools.recording.bag_files import Recording
 from rtgen.tools.recording.errors import RecordingError
@@ -59,10 +60,12 @@ class Reading:
         self.components: dict[str, ui.Component] = {}
         """Those of the runs that are not shown beside another one."""
         self.channels: list[ui.Channel] = []
+        self.descriptors: dict[int, Descriptor] = {}
+        """Those of the types of samples, by the numbers of channels."""
         self._types = types
         self._channel_numbers = numbers
         self._numbers: dict[object, int] = {}
-        self._known: list[Any] = []
+        self._known: dict[object, Any] = {}
         self._decoders = Decoders()
         self._now = 0.0
         self._settings: dict[str, dict[str, str]] = {}
@@ -127,6 +130,8 @@ class Reading:
             beside=beside,
         )
         self._of_messages[shown] = channel
+        if number != NO_TYPE:
+            self.descriptors[channel.id] = self._known[shown.schema]._descriptor_
         self.channels.append(channel)
         if not beside:
             port = ui.Port(
@@ -145,7 +150,7 @@ class Reading:
             return NO_TYPE
         if channel.schema not in self._numbers:
             type_ = type_of(channel.schema)
-            self._known.append(type_)
+            self._known[channel.schema] = type_
             number = self._types.number(type_._descriptor_)
             self._numbers[channel.schema] = number
         return self._numbers[channel.schema]
@@ -191,16 +196,10 @@ class Reading:
                 frame = BusFrame(bus, can_id, content.data, remote, extended)
                 self._buses.on_frame(frame, self._now)
             case messages.BoardCall(request=request, reply=reply, error=error):
-                call = ui.BoardCall(
-                    time=self._now,
-                    instance=message.channel.get("instance"),
-                    request=request,
-                    reply=reply,
-                    round_trip=-1.0,
-                    error=error,
-                )
-                if codec := self._codec(call.instance):
-                    boards.describe(call, codec)
+                instance = message.channel.get("instance")
+                made = BoardCall(instance, request, reply, error)
+                codec = self._codec(instance)
+                call = boards.described_call(made, self._now, codec, -1.0)
                 self._add(ui.Event.of_call(call))
 
     def _codec(self, communication: str) -> Codec | None:

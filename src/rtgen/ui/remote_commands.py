@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator, Sequence
 from dataclasses import replace
 from functools import partial
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, Final
 
 from rtgen.compiler.model import SystemComponent
 from rtgen.facts.openrtm_ports import KIND
@@ -24,6 +24,14 @@ from rtgen.ui.session import Session
 if TYPE_CHECKING:
     from rtgen.ui.watching import Watcher
 
+_OF_BUSES: Final = frozenset(
+    (
+        CommandKind.COMMAND_SEND_FRAME,
+        CommandKind.COMMAND_NMT,
+        CommandKind.COMMAND_SDO_READ,
+        CommandKind.COMMAND_SDO_WRITE,
+    )
+)
 Action = Callable[[], None]
 """Is executed in the thread that calls other processes. Raises CommandError."""
 
@@ -50,6 +58,8 @@ class RemoteCommands:
             case CommandKind.COMMAND_RESTORE:
                 commands = [(c, self._effect(c)) for c in self._differences()]
                 return partial(self._restore, watcher, commands)
+            case _ if self._session.is_attached and kind in _OF_BUSES:
+                return partial(self._on_bus, command, result)
             case _ if not self._is_remote(command):
                 return None
             case CommandKind.COMMAND_CALL:
@@ -63,6 +73,19 @@ class RemoteCommands:
             case CommandKind.COMMAND_CONNECT:
                 require_fitting(self._session, value)
         return partial(self._change, watcher, command, self._effect(command))
+
+    def _on_bus(self, command: ui.Command, result: ui.Result) -> None:
+        buses = self._session.buses
+        value: Any = command.value
+        match command.discriminator:
+            case CommandKind.COMMAND_SEND_FRAME:
+                buses.send(value)
+            case CommandKind.COMMAND_NMT:
+                buses.manage(value)
+            case CommandKind.COMMAND_SDO_READ:
+                result.text, result.reply = buses.read(value)
+            case CommandKind.COMMAND_SDO_WRITE:
+                buses.write(value)
 
     def _effect(self, command: ui.Command) -> Change | None:
         """Return the effect of a command for components of other processes on the file."""

@@ -25,12 +25,15 @@ class RemoteRun:
     """A run that is shown instead of one of this process.
 
     Each further run of the system has a higher number. `ended` says why it is over, and how to go
-    on; empty while it is not.
+    on; empty while it is not. `less` says that some of what happens is left out.
     """
 
     number: int = 0
     name: str = ""
     ended: str = ""
+    doc: str = ""
+    plan: tuple[ui.PlannedEvent, ...] = ()
+    less: str = ""
 
 
 @dataclass(frozen=True)
@@ -42,6 +45,7 @@ class RemoteState:
     connections: Mapping[str, ui.Connection] = field(default_factory=dict)
     statistics: Mapping[str, ui.Statistics] = field(default_factory=dict)
     flows: Sequence[ui.Flow] = ()
+    chains: Sequence[ui.Chain] = ()
     run: RemoteRun = RemoteRun()
 
     def known(self, known: Callable[[ui.Port], ui.Port]) -> RemoteState:

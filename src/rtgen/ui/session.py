@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import itertools
 import uuid
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
 from time import monotonic
 from typing import TYPE_CHECKING, Any, Final
@@ -20,6 +20,7 @@ from rtgen.runtime.failures import Failure, described
 from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.timing.clocks import SECOND
+from rtgen.tools.running.bus_access import BusAccess
 from rtgen.ui import compared_run, description
 from rtgen.ui.buses import Buses
 from rtgen.ui.changes import Changes
@@ -31,7 +32,7 @@ from rtgen.ui.description import (
 from rtgen.ui.documents.document import Document, DocumentError
 from rtgen.ui.edits import Edits
 from rtgen.ui.errors import FILE, UNKNOWN, CommandError
-from rtgen.ui.flows import Flows
+from rtgen.ui.flows import Chains, Flows
 from rtgen.ui.history import History
 from rtgen.ui.other_processes import OtherProcesses
 from rtgen.ui.outbox import Outbox
@@ -108,10 +109,8 @@ class Session:
         self._counts: dict[str, ui.Statistics] = {}
         self._recorded: ComparedRun | None = None
         if recording:
-            describer = project.describer
-            self._recorded = compared_run.read(
-                recording, self.types, self._numbers, describer
-            )
+            self._recorded = self.read_beside(recording)
+            self._recorded.enter_types(self.types)
         self.beside: ComparedRun | None = self._recorded
         """The run that pages compare with this one."""
         self.ended = ""
@@ -124,6 +123,7 @@ class Session:
         self.buses: Buses
         self.history: History
         self.flows: Flows
+        self.chains: Chains
         self._next_flows = 0.0
         self.own = own
         self.others = OtherProcesses(self)
@@ -238,18 +238,44 @@ class Session:
         """Set whether this run is kept for comparison when time is set back."""
         self.keeps = kept
         if not kept or self.beside is self._recorded:
-            self.beside = None
+            self.beside = self._recorded = None
+        self._look_again()
+
+    def read_beside(self, file: str) -> ComparedRun:
+        """Read a recording, for `compare`; from any thread. Raises ToolError."""
+        return compared_run.read(file, self._numbers, self.project.describer)
+
+    def compare(self, run: ComparedRun | None) -> None:
+        """Compare a recording with this run and the next ones, or nothing."""
+        if run is not None:
+            run.enter_types(self.types)
+        self._recorded = self.beside = run
+        self.keeps = False
+        self._look_again()
+
+    def _look_again(self) -> None:
         for page in self.pages:
             self.look(page, -1.0 if page.past is None else page.past)
+
+    def _settings(self) -> Iterator[Mapping[str, str]]:
+        """Yield the values of the parameters of each component."""
+        for instance in self.system.instances:
+            sets = self.system.component(instance).configuration_sets
+            yield sets.texts(sets.active)
+        yield from self.others.settings
 
     def _watch(self) -> None:
         system = self.system
         self._end_recording = self.project.record(system)
         self.history = History()
         self.flows = Flows()
+        self.chains = Chains(system)
         if self.beside is not None:
             self.beside.begin()
-        self.buses = Buses(system, self.project.describer, self.publish)
+        access = BusAccess(system)
+        self.buses = Buses(self.project.describer, self._settings, self.publish, access)
+        if self.watcher is not None and self.watcher.access is not None:
+            self.buses.access = self.watcher.access
         for instance in system.instances:
             self.channels_of(instance)
         self.others.open()
@@ -300,6 +326,7 @@ class Session:
         if time < 0:
             events[0] = ui.Event.of_whole(self.whole())
             events.append(ui.Event.of_flows(self.flows.latest))
+            events.append(ui.Event.of_chains(self.chains.latest))
         else:
             whole = events[0].whole
             beside = self.channels_beside
@@ -456,7 +483,9 @@ class Session:
         """Publish the time, events of the compared run, and changed statistics."""
         if self.beside is not None:
             events, samples = self.beside.until(self.now)
-            self.publish(*events)
+            for event in events:
+                self.history.add(event.other.time, event)
+            self.pages.put(self.types.nodes, events)
             for sample in samples:
                 self.sample(sample)
         if not self.pages:
@@ -476,10 +505,11 @@ class Session:
                     count = each.overruns - before.overruns
                     self.notice("overrun", each.instance, f"{count} more")
         self.history.statistics(self.now, changed)
-        if self._is_time_for_flows() and self.flows.changed(
-            self.now, self.connectors, self.source_channel
-        ):
-            self.pages.put_in_all(ui.Event.of_flows(self.flows.latest))
+        if self._is_time_for_flows():
+            if self.flows.changed(self.now, self.connectors, self.source_channel):
+                self.pages.put_in_all(ui.Event.of_flows(self.flows.latest))
+            if self.chains.changed():
+                self.pages.put_in_all(ui.Event.of_chains(self.chains.latest))
         for page in self.pages:
             if changed:
                 page.statistics(changed)

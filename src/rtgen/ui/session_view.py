@@ -11,7 +11,7 @@ from rtgen.runtime.system.joining import Connector
 from rtgen.ui.buses import Buses
 from rtgen.ui.description import Description
 from rtgen.ui.edits import Edits
-from rtgen.ui.flows import Flows
+from rtgen.ui.flows import Chains, Flows
 from rtgen.ui.project import Project
 from rtgen.ui.protocol import ui
 from rtgen.ui.remote_state import RemoteState
@@ -27,6 +27,7 @@ class SessionView(Protocol):
     describe: Description
     edits: Edits
     flows: Flows
+    chains: Chains
     foreign: Mapping[str, SystemComponent]
     places: dict[str, tuple[float, float]]
     keeps: bool

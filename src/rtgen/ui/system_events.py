@@ -117,17 +117,9 @@ class SystemEvents(Viewer):
                 self._session.publish(ui.Event.of_cut(name))
             case BusFrame():
                 self._session.buses.on_frame(happening, self._session.now)
-            case BoardCall(instance, request, reply, error, duration):
-                call = ui.BoardCall(
-                    time=self._session.now,
-                    instance=instance,
-                    request=request,
-                    reply=reply,
-                    round_trip=duration / SECOND,
-                    error=error,
-                )
-                if codec := self._codec(instance):
-                    boards.describe(call, codec)
+            case BoardCall(instance):
+                codec = self._codec(instance)
+                call = boards.described_call(happening, self._session.now, codec)
                 self._session.publish(ui.Event.of_call(call))
 
     def _codec(self, communication: str) -> Codec | None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from typing import TYPE_CHECKING
 
+from rtgen.tools.running import texts
 from rtgen.ui import connection_properties, description
 from rtgen.ui.description import planned
 from rtgen.ui.protocol import ui
@@ -35,7 +36,13 @@ def whole(session: SessionView) -> ui.SystemState:
         keeps=session.keeps,
         naming=[*remote.services],
         foreign=[*session.foreign],
-        plan=[*map(planned, session.project.timeline(profile).steps)],
-        doc=profile.abstract,
+        plan=(
+            [*remote.run.plan]
+            or [
+                planned(texts.planned(each))
+                for each in session.project.timeline(profile).steps
+            ]
+        ),
+        doc=remote.run.doc or profile.abstract,
         properties=connection_properties.parameters(),
     )

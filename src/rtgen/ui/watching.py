@@ -9,8 +9,10 @@ from typing import TYPE_CHECKING, NamedTuple, Protocol
 from rtgen.ui.protocol import ui
 
 if TYPE_CHECKING:
+    from rtgen.runtime.distribution.local_runs import Event
     from rtgen.runtime.marshalling.descriptors import DataType
     from rtgen.runtime.services.servants import Servant
+    from rtgen.ui.buses import Access
     from rtgen.ui.edits import Edit
     from rtgen.ui.remote_state import RemoteState
 
@@ -41,6 +43,13 @@ class Watcher(Protocol):
     @property
     def time(self) -> float | None:
         """The time of the run that is watched [s]; None if components have no common one."""
+
+    @property
+    def access(self) -> Access | None:
+        """The access to the buses of the run; None if there is none."""
+
+    def follow(self, take: Callable[[Event], None]) -> None:
+        """Let a function take the events of the run, from any thread; components have none."""
 
     def close(self) -> None:
         """Stop watching."""

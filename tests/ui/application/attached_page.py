@@ -31,6 +31,13 @@ class Watching:
         self.channels: list[ui.Channel] = []
         self.samples: dict[int, list[ui.Sample]] = {}
         self.edits = ui.EditState()
+        self.changes: list[ui.StateChange] = []
+        self.buses: dict[str, ui.Bus] = {}
+        self.frames: list[ui.Frame] = []
+        self.calls: list[ui.BoardCall] = []
+        self.chains: list[ui.Chain] = []
+        self.plan: list[ui.PlannedEvent] = []
+        self.doc = ""
         self.session.runner.submit(lambda: self.session.join(self.outbox))
 
     def follow(self) -> None:
@@ -45,6 +52,8 @@ class Watching:
                     self.services = value.naming
                     self.channels = value.channels
                     self.edits = value.edits
+                    self.plan, self.doc = value.plan, value.doc
+                    self.buses = {each.name: each for each in value.buses}
                 case ui.EventKind.EVENT_CHANNEL:
                     self.channels.append(value)
                 case ui.EventKind.EVENT_SAMPLES:
@@ -57,7 +66,17 @@ class Watching:
                 case ui.EventKind.EVENT_REMOVED:
                     del self.components[value]
                 case ui.EventKind.EVENT_STATE if value.instance in self.components:
-                    self.components[value.instance].current = value.after
+                    component = self.components[value.instance]
+                    component.current, component.reason = value.after, value.reason
+                    self.changes.append(value)
+                case ui.EventKind.EVENT_BUS:
+                    self.buses[value.name] = value
+                case ui.EventKind.EVENT_FRAMES:
+                    self.frames.extend(value)
+                case ui.EventKind.EVENT_BOARD_CALL:
+                    self.calls.append(value)
+                case ui.EventKind.EVENT_CHAINS:
+                    self.chains = value
                 case ui.EventKind.EVENT_CONNECTED:
                     self.connections[value.name] = value
                 case ui.EventKind.EVENT_CUT:

@@ -15,6 +15,7 @@ from rtgen.runtime.marshalling.descriptors import Descriptor
 from rtgen.runtime.marshalling.layouts.formats import Format, UnsupportedError
 from rtgen.runtime.marshalling.layouts.trees import parts, tree_of
 from rtgen.runtime.ports.data_ports import OutPort
+from rtgen.runtime.return_codes import INACTIVE_STATE
 from rtgen.runtime.system.json_printers import json_printer
 from rtgen.runtime.system.observation import connection_change
 from rtgen.runtime.system.records import MissingSamples, Record, StateRecord
@@ -72,10 +73,12 @@ class Recorder:
     """A listener that records all events of a system, to an MCAP file or for a live view.
 
     Times are those of the clock: simulated from 0, real as UTC since 1970, in ns. Attach it before
-    the first `run`.
+    the first `run`, or to a run that is `under_way`: then it starts now, with the present states.
     """
 
-    def __init__(self, system: System, writer: Writer) -> None:
+    def __init__(
+        self, system: System, writer: Writer, *, under_way: bool = False
+    ) -> None:
         self.missing = MissingSamples()
         self._system = system
         self._writer = writer
@@ -86,10 +89,23 @@ class Recorder:
         self._channels: dict[tuple[str, ...], int] = {}
         self._ticking = ""
         self._described: set[str] = set()
-        writer.metadata(METADATA, {"layout": LAYOUT, **clock_of(system)})
+        self._unwrap: list[Callable[[], None]] = []
+        entries = {"layout": LAYOUT, **clock_of(system)}
+        if under_way:
+            entries["start"] = str(self.now)
+        writer.metadata(METADATA, entries)
         self._describe()
+        if under_way:
+            self._put_states()
         system.clock.traffic.watch(self._on_event)
         system.add_listener(self)
+
+    def close(self) -> None:
+        """Record nothing more."""
+        self._system.clock.traffic.unwatch(self._on_event)
+        self._system.remove_listener(self)
+        for unwrap in self._unwrap:
+            unwrap()
 
     @property
     def now(self) -> int:
@@ -173,6 +189,16 @@ class Recorder:
         for connector in system.connectors:
             self._put_connection(connection_change(connector, connected=True))
 
+    def _put_states(self) -> None:
+        for instance in self._system.instances:
+            state = self._system.state(instance)
+            if state is not INACTIVE_STATE:
+                reason = self._system.component(instance).reason
+                change = messages.State(
+                    instance, INACTIVE_STATE.name, state.name, 0, reason
+                )
+                self._put(Topic.STATES, "state", change)
+
     def _describe_component(self, instance: str) -> None:
         self._described.add(instance)
         component = self._system.component(instance)
@@ -182,7 +208,8 @@ class Recorder:
         )
         self._put(Topic.COMPONENTS, "component", described)
         if self._simulated:
-            context.put_around_ticks(partial(self._around, instance))
+            around = partial(self._around, instance)
+            self._unwrap.append(context.put_around_ticks(around))
 
     def _describe_parameters(self, instance: str) -> None:
         sets = self._system.component(instance).configuration_sets

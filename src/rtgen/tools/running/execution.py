@@ -8,16 +8,17 @@ import time
 from collections import deque
 from collections.abc import Callable, Sequence
 from contextlib import ExitStack
+from functools import partial
 from pathlib import Path
 
 from rtgen import runtime
-from rtgen.compiler.diagnostics import InputError, ToolError
+from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.compiler.systems import measures
 from rtgen.compiler.systems.conditions import Condition
 from rtgen.compiler.systems.measures import Measure
-from rtgen.compiler.systems.rules import MEASURE, OBSERVABLE
+from rtgen.compiler.systems.rules import BLOCKED, MEASURE, OBSERVABLE, SKIPPED
 from rtgen.runtime.distribution.local_listener import ServedRun
-from rtgen.runtime.failures import ends_run
+from rtgen.runtime.failures import Failure, described, ends_run
 from rtgen.runtime.services.transports import ForeignTransport, ProcessTransport
 from rtgen.runtime.system.recording import JsonLinesRecorder
 from rtgen.runtime.system.records import StateRecord
@@ -27,6 +28,7 @@ from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import INTERRUPTED, NO, OK
 from rtgen.tools.running import foreign, transports
 from rtgen.tools.running.assembly import assemble
+from rtgen.tools.running.attached import Attached
 from rtgen.tools.running.curves import Curves, draw_curves, write_curves
 from rtgen.tools.running.failures import FailureReport, logged
 from rtgen.tools.running.interrupts import Ending, ending
@@ -36,7 +38,7 @@ from rtgen.tools.running.recording_options import tell_missing
 from rtgen.tools.running.ros2_time import RosTime
 from rtgen.tools.running.run_view import View
 from rtgen.tools.running.summary import Outcome, as_json, summary
-from rtgen.tools.running.texts import ERROR, name_of
+from rtgen.tools.running.texts import ERROR, name_of, planned
 from rtgen.tools.running.trajectory import Sample, draw, opened, write_csv
 
 _DEFAULT_LIMIT = 600 * SECOND
@@ -135,6 +137,7 @@ class _Run:
         self._curves = Curves(running, (*outputs.in_table, *outputs.in_picture))
         self._samples: list[Sample] = []
         self._logging: JsonLinesRecorder | None = None
+        self._attached = Attached(running)
 
     def begin(self, files: ExitStack) -> None:
         """Open the files and add the observers, until `files` is closed.
@@ -178,11 +181,44 @@ class _Run:
         options.live.begin(files, running, console, name, rest)
         file = str(Path(plan.profile.file).absolute())
         command = shlex.join(["rtgen", *sys.argv[1:]])
-        self._served = files.enter_context(ServedRun(running, name, file, command))
+        self._served = files.enter_context(
+            ServedRun(
+                running,
+                name,
+                file,
+                command,
+                plan=tuple(map(planned, plan.steps)),
+                doc=plan.profile.abstract,
+                doing=self._attached,
+            )
+        )
+        self._tell_what_happens()
         if of_poses or plan.measures:
             running.every(
                 _SAMPLE_PERIOD, lambda: self._samples.append(self._view.sample())
             )
+
+    def _tell_what_happens(self) -> None:
+        """Tell those who are attached of failures, of calls, and of events that were skipped."""
+        tell, finishing = self._served.tell, self._plan.finishing
+        report = self._running.on_failure
+
+        def on_failure(failure: Failure) -> None:
+            if failure.error is not None or failure.instance not in finishing:
+                error = failure.error
+                what = failure.reason if error is None else described(error)
+                tell("error", failure.instance, f"{failure.callback}: {what}")
+            report(failure)
+
+        def on_notice(finding: Diagnostic) -> None:
+            if finding.code in (SKIPPED.code, BLOCKED.code):
+                kind = "skipped" if finding.code == SKIPPED.code else "blocked"
+                tell(kind, "", finding.message)
+
+        self._running.on_failure = on_failure
+        self._report.on_notice = on_notice
+        self._report.on_call = partial(tell, "call")
+        self._attached.tell = tell
 
     def run(self, end: Ending) -> tuple[bool, float]:
         """Run to the end; return whether the condition was met, and the wall time in seconds."""
@@ -210,6 +246,8 @@ class _Run:
 
     def tell_end(self, *, met: bool, interrupted: bool) -> None:
         """Tell those who are attached that the run is over, and serve it no more."""
+        limit = _limit(self._plan.condition, self._plan.options.needs_end)
+        self._attached.end(through=limit != self._running.time)
         reason = "it is complete" if met else "it has not met its condition"
         self._served.end("it was interrupted" if interrupted else reason)
         self._served.close()

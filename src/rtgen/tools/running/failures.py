@@ -72,6 +72,8 @@ class FailureReport:
         self.end_run: Callable[[BaseException], None] = lambda error: None
         self.on_call: Callable[[str, str], None] = lambda instance, text: None
         """Called with the instance and the outcome of each call of the timeline."""
+        self.on_notice: Callable[[Diagnostic], None] = lambda diagnostic: None
+        """Called with each notice."""
         self.before_debugging: Callable[[], None] = lambda: None
         """Called before the debugger opens, to clear the terminal."""
         self._console = console
@@ -195,6 +197,7 @@ class FailureReport:
 
     def notice(self, diagnostic: Diagnostic) -> None:
         """Print a diagnostic without a summary line."""
+        self.on_notice(diagnostic)
         self._print(diagnostic, "")
 
     def close(self) -> None:

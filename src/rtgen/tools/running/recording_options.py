@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -17,6 +17,7 @@ from rtgen.tools.kit.exits import Refusal
 
 if TYPE_CHECKING:
     from rtgen.tools.recording.bag_recorder import BagRecorder
+    from rtgen.tools.recording.mcap_writer import McapWriter
     from rtgen.tools.recording.recorder import Recorder
 
 _SUFFIX = ".mcap"
@@ -77,19 +78,33 @@ class RecordingOptions:
             if self.compression is not None:
                 raise Refusal("--compression goes with --record")
             return None
-        from rtgen.tools.recording.errors import RecordingError
-        from rtgen.tools.recording.mcap_writer import McapWriter
         from rtgen.tools.recording.recorder import Recorder
 
+        file = self.file if bag is None else self.events_file
+        return Recorder(running, self.writer(files, running, file))
+
+    def writer(
+        self, files: ExitStack, running: runtime.System, file: str | Path
+    ) -> McapWriter:
+        """Return a writer of a file for a run, until `files` is closed. Raises ToolError."""
+        from rtgen.tools.recording.errors import RecordingError
+        from rtgen.tools.recording.mcap_writer import McapWriter
+
         try:
-            writer = McapWriter(
-                self.file if bag is None else self.events_file,
-                self.compression or "zstd",
-                longest=_longest(running),
-            )
+            compression = self.compression or "zstd"
+            writer = McapWriter(file, compression, longest=_longest(running))
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
-        return Recorder(running, files.enter_context(writer))
+        return files.enter_context(writer)
+
+    def numbered(self, number: int) -> RecordingOptions:
+        """Return the options for a further run: `FILE-2.mcap`, `FILE-3.mcap`, ..."""
+        if self.file is None or number < 2:
+            return self
+        path = Path(self.file)
+        return replace(
+            self, file=str(path.with_name(f"{path.stem}-{number}{path.suffix}"))
+        )
 
     @contextmanager
     def reported(self) -> Iterator[None]:

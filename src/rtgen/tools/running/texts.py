@@ -5,7 +5,16 @@ from __future__ import annotations
 import json
 from typing import Final
 
+from rtgen.compiler.systems.timeline import (
+    Call,
+    Connect,
+    Disconnect,
+    SetParameter,
+    StateRequest,
+    Step,
+)
 from rtgen.runtime import LifeCycleState
+from rtgen.runtime.distribution.local_runs import Planned
 from rtgen.runtime.system.json_calls import Outcome
 
 ERROR: Final = "ERROR"
@@ -17,6 +26,22 @@ _UNITS: Final = (("s", 10**9), ("ms", 10**6), ("us", 10**3))
 def name_of(state: LifeCycleState) -> str:
     """Return the name of a state in reports and conditions."""
     return state.name.removesuffix("_STATE")
+
+
+def planned(step: Step) -> Planned:
+    """Describe an event of the timeline."""
+    match step.action:
+        case Disconnect(name):
+            return Planned(step.time, "disconnect", name)
+        case Connect(name, source, target):
+            ends = (source.instance, source.port), (target.instance, target.port)
+            return Planned(step.time, "connect", f"{source} to {target}", *ends)
+        case SetParameter(instance, parameter, text):
+            return Planned(step.time, "set", f"{instance}.{parameter} = {text}")
+        case StateRequest(request, instance):
+            return Planned(step.time, request, instance)
+        case Call(text=call):
+            return Planned(step.time, "call", call.text)
 
 
 def outcome_text(outcome: Outcome) -> str:

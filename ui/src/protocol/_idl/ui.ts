@@ -4,7 +4,7 @@
 import { type CdrType, boolean, branch, double, enumeration, field, long, longlong, octets, sequence, string, struct, ulong, ulonglong, union } from "../_cdr.ts";
 
 /** Version of the protocol; a page with another version reloads. */
-export const Ui$VERSION = 8;
+export const Ui$VERSION = 9;
 
 /** Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones. */
 export const Ui$MAX_SAMPLES = 2000;
@@ -286,6 +286,30 @@ export const Ui$Flow: CdrType<Ui$Flow> = struct("Ui::Flow", [
   field("rate", double),
   field("lost", ulonglong),
   field("details", string()),
+]);
+
+/** Latencies of the samples of a chain of connections [s], from the first write to the last read. */
+export interface Ui$Chain {
+  /** The first port, the components between, the last port. */
+  name: string;
+  /** `INSTANCE.PORT` in order. */
+  ports: Ui$Strings;
+  /** 0: none has come through. */
+  samples: bigint;
+  least: number;
+  median: number;
+  /** The 99th percentile. */
+  late: number;
+  greatest: number;
+}
+export const Ui$Chain: CdrType<Ui$Chain> = struct("Ui::Chain", [
+  field("name", string()),
+  field("ports", Ui$Strings),
+  field("samples", ulonglong),
+  field("least", double),
+  field("median", double),
+  field("late", double),
+  field("greatest", double),
 ]);
 
 /** An event of the timeline, which has not happened before its time. */
@@ -769,6 +793,7 @@ export interface Ui$Result {
   text: string;
   fits: Ui$Fit[];
   objects: Ui$ObjectEntry[];
+  files: Ui$Strings;
   /** What a rename or an adjustment changes, or has changed. */
   renamed: Ui$FileChange[];
 }
@@ -782,6 +807,7 @@ export const Ui$Result: CdrType<Ui$Result> = struct("Ui::Result", [
   field("text", string()),
   field("fits", sequence(Ui$Fit)),
   field("objects", sequence(Ui$ObjectEntry)),
+  field("files", Ui$Strings),
   field("renamed", sequence(Ui$FileChange)),
 ]);
 
@@ -797,8 +823,11 @@ export const Ui$StatisticsList: CdrType<Ui$StatisticsList> = sequence(Ui$Statist
 export type Ui$FlowList = Ui$Flow[];
 export const Ui$FlowList: CdrType<Ui$FlowList> = sequence(Ui$Flow);
 
-export type Ui$EventKind = "EVENT_HELLO" | "EVENT_SYSTEM" | "EVENT_TYPES" | "EVENT_COMPONENT" | "EVENT_REMOVED" | "EVENT_CONNECTED" | "EVENT_CUT" | "EVENT_STATE" | "EVENT_STATISTICS" | "EVENT_PARAMETER" | "EVENT_ACTIVE_SET" | "EVENT_CHANNEL" | "EVENT_SAMPLES" | "EVENT_TIME" | "EVENT_SENT_LESS" | "EVENT_RESULT" | "EVENT_MOVED" | "EVENT_EDITS" | "EVENT_NOTICE" | "EVENT_FRAMES" | "EVENT_BUS" | "EVENT_LOAD" | "EVENT_BOARD_CALL" | "EVENT_END" | "EVENT_BESIDE" | "EVENT_NAMING" | "EVENT_FLOWS";
-export const Ui$EventKind: CdrType<Ui$EventKind> = enumeration("Ui::EventKind", { EVENT_HELLO: 0, EVENT_SYSTEM: 1, EVENT_TYPES: 2, EVENT_COMPONENT: 3, EVENT_REMOVED: 4, EVENT_CONNECTED: 5, EVENT_CUT: 6, EVENT_STATE: 7, EVENT_STATISTICS: 8, EVENT_PARAMETER: 9, EVENT_ACTIVE_SET: 10, EVENT_CHANNEL: 11, EVENT_SAMPLES: 12, EVENT_TIME: 13, EVENT_SENT_LESS: 14, EVENT_RESULT: 15, EVENT_MOVED: 16, EVENT_EDITS: 17, EVENT_NOTICE: 18, EVENT_FRAMES: 19, EVENT_BUS: 20, EVENT_LOAD: 21, EVENT_BOARD_CALL: 22, EVENT_END: 23, EVENT_BESIDE: 24, EVENT_NAMING: 25, EVENT_FLOWS: 26 });
+export type Ui$ChainList = Ui$Chain[];
+export const Ui$ChainList: CdrType<Ui$ChainList> = sequence(Ui$Chain);
+
+export type Ui$EventKind = "EVENT_HELLO" | "EVENT_SYSTEM" | "EVENT_TYPES" | "EVENT_COMPONENT" | "EVENT_REMOVED" | "EVENT_CONNECTED" | "EVENT_CUT" | "EVENT_STATE" | "EVENT_STATISTICS" | "EVENT_PARAMETER" | "EVENT_ACTIVE_SET" | "EVENT_CHANNEL" | "EVENT_SAMPLES" | "EVENT_TIME" | "EVENT_SENT_LESS" | "EVENT_RESULT" | "EVENT_MOVED" | "EVENT_EDITS" | "EVENT_NOTICE" | "EVENT_FRAMES" | "EVENT_BUS" | "EVENT_LOAD" | "EVENT_BOARD_CALL" | "EVENT_END" | "EVENT_BESIDE" | "EVENT_NAMING" | "EVENT_FLOWS" | "EVENT_CHAINS";
+export const Ui$EventKind: CdrType<Ui$EventKind> = enumeration("Ui::EventKind", { EVENT_HELLO: 0, EVENT_SYSTEM: 1, EVENT_TYPES: 2, EVENT_COMPONENT: 3, EVENT_REMOVED: 4, EVENT_CONNECTED: 5, EVENT_CUT: 6, EVENT_STATE: 7, EVENT_STATISTICS: 8, EVENT_PARAMETER: 9, EVENT_ACTIVE_SET: 10, EVENT_CHANNEL: 11, EVENT_SAMPLES: 12, EVENT_TIME: 13, EVENT_SENT_LESS: 14, EVENT_RESULT: 15, EVENT_MOVED: 16, EVENT_EDITS: 17, EVENT_NOTICE: 18, EVENT_FRAMES: 19, EVENT_BUS: 20, EVENT_LOAD: 21, EVENT_BOARD_CALL: 22, EVENT_END: 23, EVENT_BESIDE: 24, EVENT_NAMING: 25, EVENT_FLOWS: 26, EVENT_CHAINS: 27 });
 
 export type Ui$Event =
   /** The first event. */
@@ -837,6 +866,8 @@ export type Ui$Event =
   | { case: "naming"; value: Ui$NamingServices; discriminator?: Ui$EventKind }
   /** All connections with counts, at most once a second. */
   | { case: "flows"; value: Ui$FlowList; discriminator?: Ui$EventKind }
+  /** The measured chains, the longest first, at most once a second. */
+  | { case: "chains"; value: Ui$ChainList; discriminator?: Ui$EventKind }
   ;
 export const Ui$Event: CdrType<Ui$Event> = union("Ui::Event", Ui$EventKind, [
   branch("greeting", Ui$Hello, ["EVENT_HELLO"]),
@@ -866,6 +897,7 @@ export const Ui$Event: CdrType<Ui$Event> = union("Ui::Event", Ui$EventKind, [
   branch("other", Ui$StateChange, ["EVENT_BESIDE"]),
   branch("naming", Ui$NamingServices, ["EVENT_NAMING"]),
   branch("flows", Ui$FlowList, ["EVENT_FLOWS"]),
+  branch("chains", Ui$ChainList, ["EVENT_CHAINS"]),
 ]);
 
 export interface Ui$ServerMessage {
@@ -1035,8 +1067,8 @@ export const Ui$Rename: CdrType<Ui$Rename> = struct("Ui::Rename", [
   field("carried_out", boolean),
 ]);
 
-export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK" | "COMMAND_BESIDE" | "COMMAND_RESTORE" | "COMMAND_REPLACE" | "COMMAND_RENAME" | "COMMAND_ADJUST";
-export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30, COMMAND_REPLACE: 31, COMMAND_RENAME: 32, COMMAND_ADJUST: 33 });
+export type Ui$CommandKind = "COMMAND_WATCH" | "COMMAND_FITS" | "COMMAND_CONNECT" | "COMMAND_CUT" | "COMMAND_ACTIVATE" | "COMMAND_DEACTIVATE" | "COMMAND_RESET" | "COMMAND_SET" | "COMMAND_ACTIVATE_SET" | "COMMAND_CALL" | "COMMAND_ADD" | "COMMAND_REMOVE" | "COMMAND_MOVE" | "COMMAND_SAVE" | "COMMAND_UNDO" | "COMMAND_REDO" | "COMMAND_PLAY" | "COMMAND_PAUSE" | "COMMAND_STEP" | "COMMAND_SPEED" | "COMMAND_SEEK" | "COMMAND_OPEN" | "COMMAND_SEND_FRAME" | "COMMAND_NMT" | "COMMAND_SDO_READ" | "COMMAND_SDO_WRITE" | "COMMAND_OBJECTS" | "COMMAND_INJECT" | "COMMAND_LOOK" | "COMMAND_BESIDE" | "COMMAND_RESTORE" | "COMMAND_REPLACE" | "COMMAND_RENAME" | "COMMAND_ADJUST" | "COMMAND_RECORDINGS" | "COMMAND_COMPARE";
+export const Ui$CommandKind: CdrType<Ui$CommandKind> = enumeration("Ui::CommandKind", { COMMAND_WATCH: 0, COMMAND_FITS: 1, COMMAND_CONNECT: 2, COMMAND_CUT: 3, COMMAND_ACTIVATE: 4, COMMAND_DEACTIVATE: 5, COMMAND_RESET: 6, COMMAND_SET: 7, COMMAND_ACTIVATE_SET: 8, COMMAND_CALL: 9, COMMAND_ADD: 10, COMMAND_REMOVE: 11, COMMAND_MOVE: 12, COMMAND_SAVE: 13, COMMAND_UNDO: 14, COMMAND_REDO: 15, COMMAND_PLAY: 16, COMMAND_PAUSE: 17, COMMAND_STEP: 18, COMMAND_SPEED: 19, COMMAND_SEEK: 20, COMMAND_OPEN: 21, COMMAND_SEND_FRAME: 22, COMMAND_NMT: 23, COMMAND_SDO_READ: 24, COMMAND_SDO_WRITE: 25, COMMAND_OBJECTS: 26, COMMAND_INJECT: 27, COMMAND_LOOK: 28, COMMAND_BESIDE: 29, COMMAND_RESTORE: 30, COMMAND_REPLACE: 31, COMMAND_RENAME: 32, COMMAND_ADJUST: 33, COMMAND_RECORDINGS: 34, COMMAND_COMPARE: 35 });
 
 export type Ui$Command =
   /** All channels whose samples the page wants. */
@@ -1083,6 +1115,10 @@ export type Ui$Command =
   | { case: "renamed"; value: Ui$Rename; discriminator?: Ui$CommandKind }
   /** The Result has the findings of the judge as `text`, and the change of the file in `renamed`. */
   | { case: "adjusted"; value: Ui$Adjust; discriminator?: Ui$CommandKind }
+  /** The Result has the recordings that can be compared in `files`. */
+  | { case: "listed"; value: boolean; discriminator?: Ui$CommandKind }
+  /** A recording to compare with the run; empty: none. */
+  | { case: "compared"; value: string; discriminator?: Ui$CommandKind }
   /** The time that this page shows; negative: the present. */
   | { case: "looked"; value: number; discriminator?: Ui$CommandKind }
   ;
@@ -1120,6 +1156,8 @@ export const Ui$Command: CdrType<Ui$Command> = union("Ui::Command", Ui$CommandKi
   branch("kept", boolean, ["COMMAND_BESIDE"]),
   branch("renamed", Ui$Rename, ["COMMAND_RENAME"]),
   branch("adjusted", Ui$Adjust, ["COMMAND_ADJUST"]),
+  branch("listed", boolean, ["COMMAND_RECORDINGS"]),
+  branch("compared", string(), ["COMMAND_COMPARE"]),
   branch("looked", double, ["COMMAND_LOOK"]),
 ]);
 

@@ -12,17 +12,28 @@ from typing import Any
 
 import msgspec
 
+from rtgen.facts.version import __version__
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.closable import Closable
 from rtgen.runtime.distribution import local_runs
 from rtgen.runtime.distribution.control import Asker
 from rtgen.runtime.distribution.data import encoder
 from rtgen.runtime.distribution.local_runs import (
+    MAX_CLIENTS,
+    MESSAGES,
     Answer,
     Ask,
+    Changed,
+    Do,
+    Done,
     End,
+    Event,
     Give,
+    Hello,
     Listen,
+    Noted,
+    OnBoard,
+    OnBus,
     Report,
     Status,
     Value,
@@ -37,7 +48,11 @@ from rtgen.runtime.distribution.medium import (
 from rtgen.runtime.distribution.payloads import received
 from rtgen.runtime.failures import log
 from rtgen.runtime.services.transports import RemotePort
+from rtgen.runtime.system.latency import Latency
 
+LEFT_OUT = (
+    "samples, frames or calls are left out here: they come too fast, or are too long"
+)
 _LOST = "its process has ended without a farewell: it was killed, or has crashed"
 
 
@@ -45,20 +60,32 @@ class LocalLink(Closable):
     """A connection to the run of a socket; `timeout` [s] of a request. Raises OSError.
 
     `time` is that of the run [ns], `end` the reason of its end, empty while it lasts, `dropped` the
-    number of samples that the run has left out. `told` is called after each change of instances,
-    connections, and at the end; from any thread.
+    number of samples, frames and calls that the run has left out, `states` are those of components
+    that have changed, with their reasons. `told` is called after each change of instances,
+    connections, and at the end, `on_event` with each event of the run; from any thread.
     """
 
     def __init__(
-        self, path: Path, told: Callable[[], None] = lambda: None, timeout: float = 2.0
+        self,
+        path: Path,
+        told: Callable[[], None] = lambda: None,
+        timeout: float = 2.0,
+        on_event: Callable[[Event], None] = lambda event: None,
     ) -> None:
         self._stream, self.hello = local_runs.connect(path)
+        refusal = _refusal(self.hello)
+        if refusal:
+            self._stream.close()
+            raise OSError(refusal)
         self._timeout = timeout
         self._told = told
+        self._on_event = on_event
         self.time = self.dropped = 0
         self.end = ""
         self.instances: list[str] = []
         self.wires: list[Wire] = []
+        self.chains: list[Latency] = []
+        self.states: dict[str, tuple[str, str]] = {}
         self._askers: dict[str, Asker] = {}
         self._numbers = itertools.count(1)
         self._answers: dict[int, SimpleQueue[bytes | None]] = {}
@@ -116,6 +143,14 @@ class LocalLink(Closable):
         refused = self.ask(request, self._timeout)
         if refused:
             raise MediumError(refused.decode())
+
+    def do(self, what: str, octets: bytes = b"") -> bytes:
+        """Let the program that runs the system do something. Raises MediumError."""
+        answer = self.ask(lambda number: Do(number, what, octets), self._timeout)
+        done = msgspec.msgpack.decode(answer, type=Done)
+        if done.error:
+            raise MediumError(done.error)
+        return done.octets
 
     def ask(self, request: Callable[[int], Any], timeout: float) -> bytes:
         """Return the answer to a request, made with its number. Raises MediumError."""
@@ -181,20 +216,43 @@ class LocalLink(Closable):
                 queue = self._answers.get(number)
                 if queue is not None:
                     queue.put(octets)
-            case Status(time, instances, wires, dropped):
+            case Changed() | OnBus() | OnBoard() | Noted():
+                self.time = max(self.time, report.time)
+                if isinstance(report, Changed):
+                    self.states[report.instance] = report.after, report.reason
+                self._on_event(report)
+            case Status(time, instances, wires, dropped, chains):
                 self.time = max(self.time, time)
                 if dropped and not self.dropped:
-                    log.warning(
-                        "%s: samples are left out here: they come too fast, or are too long",
-                        self.hello.name,
-                    )
+                    log.warning("%s: %s", self.hello.name, LEFT_OUT)
                 self.dropped = dropped
+                if chains is not None:
+                    self.chains = chains
                 if instances is not None:
                     self.instances = instances
                 if wires is not None:
                     self.wires = wires
-                if instances is not None or wires is not None:
+                if instances is not None:
+                    gone = self.states.keys() - {*instances}
+                    self.states = {
+                        name: state
+                        for name, state in self.states.items()
+                        if name not in gone
+                    }
+                if instances is not None or wires is not None or chains is not None:
                     self._told()
+
+
+def _refusal(hello: Hello) -> str:
+    """Return why this program cannot attach to a run; empty if it can."""
+    if hello.messages != MESSAGES:
+        return (
+            f"process {hello.pid} runs {hello.name} by rtgen {hello.version or 'of before'}, "
+            f"to which this version, {__version__}, cannot attach: start both with the same one"
+        )
+    if hello.full:
+        return f"{MAX_CLIENTS} programs are attached to {hello.name} already, process {hello.pid}"
+    return ""
 
 
 class _Client:

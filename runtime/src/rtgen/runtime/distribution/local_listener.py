@@ -14,14 +14,16 @@ from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
+from rtgen.facts.version import __version__
 from rtgen.runtime.closable import Closable
 from rtgen.runtime.distribution import local_runs
 from rtgen.runtime.distribution.local_requests import InRun
-from rtgen.runtime.distribution.local_runs import Hello
+from rtgen.runtime.distribution.local_runs import Hello, Planned
 from rtgen.runtime.failures import log
 from rtgen.runtime.timing.clocks import SECOND, SimulatedClock
 
 if TYPE_CHECKING:
+    from rtgen.runtime.distribution.local_requests import Doing
     from rtgen.runtime.distribution.local_server import RunServer
     from rtgen.runtime.system.system import System
 
@@ -33,13 +35,36 @@ _numbers = itertools.count(1)
 class ServedRun(Closable):
     """Lets programs of the same user find and control a system, until it is closed.
 
-    Created before the first `run`. `path` of the socket is None where that is not possible.
+    Created before the first `run`. `path` of the socket is None where that is not possible. `doing`
+    carries out what they ask of the program itself.
     """
 
-    def __init__(self, system: System, name: str, file: str, command: str) -> None:
+    def __init__(
+        self,
+        system: System,
+        name: str,
+        file: str,
+        command: str,
+        *,
+        plan: tuple[Planned, ...] = (),
+        doc: str = "",
+        doing: Doing | None = None,
+    ) -> None:
         self._system = system
         simulated = isinstance(system.clock, SimulatedClock)
-        self._hello = Hello(name, os.getpid(), file, command, simulated, time.time())
+        self._hello = Hello(
+            name,
+            os.getpid(),
+            file,
+            command,
+            simulated,
+            time.time(),
+            __version__,
+            local_runs.MESSAGES,
+            plan,
+            doc,
+        )
+        self._doing = doing
         self._in_run = InRun() if simulated else None
         self._server: RunServer | None = None
         self._lock = threading.Lock()
@@ -94,8 +119,15 @@ class ServedRun(Closable):
             if self._server is None and not self._closed:
                 from rtgen.runtime.distribution.local_server import RunServer
 
-                self._server = RunServer(self._system, self._hello, self._in_run)
+                self._server = RunServer(
+                    self._system, self._hello, self._in_run, self._doing
+                )
             return self._server
+
+    def tell(self, kind: str, instance: str, text: str) -> None:
+        """Tell those who are connected that something has happened."""
+        if self._server is not None:
+            self._server.tell(kind, instance, text)
 
     def end(self, reason: str) -> None:
         """Tell those who are connected that the run is over, and why."""

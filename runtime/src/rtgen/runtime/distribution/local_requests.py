@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Hashable
-from typing import Final
+from typing import Final, Protocol
 
 from rtgen.runtime.requests import Queues, Requests
 
@@ -14,6 +14,16 @@ _BURST: Final = 0.5
 """Time that is saved up for them [s]."""
 _LONGEST: Final = 0.01
 """Time for them at once [s]."""
+
+
+class Doing(Protocol):
+    """What programs can ask of the one that runs the system; methods are called from any thread."""
+
+    def do(self, client: Hashable, what: str, octets: bytes) -> bytes:
+        """Carry out a request of a client. Raises ValueError, or RtcError if it is refused."""
+
+    def left(self, client: Hashable) -> None:
+        """End what a client has begun: it has left."""
 
 
 class InRun:

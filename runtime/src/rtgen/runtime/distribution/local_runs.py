@@ -16,7 +16,12 @@ from typing import Any, Final, TypeVar
 
 import msgspec
 
+from rtgen.runtime.system.latency import Latency
+from rtgen.runtime.timing.traffic import BoardCall, BusFrame
+
 MAX_CLIENTS: Final = 8
+MESSAGES: Final = 2
+"""Version of the messages; programs attach to runs that have the same one."""
 FOLDER: Final = "RTGEN_RUN_DIR"
 """The environment variable that names the folder."""
 SUFFIX: Final = ".sock"
@@ -28,10 +33,22 @@ _PATIENCE: Final = 2.0
 _T = TypeVar("_T")
 
 
+class Planned(msgspec.Struct, frozen=True):
+    """An event of the timeline at a time [ns]; ends of a connection to be made, else empty."""
+
+    time: int
+    kind: str
+    text: str
+    source: tuple[str, str] = ("", "")
+    target: tuple[str, str] = ("", "")
+
+
 class Hello(msgspec.Struct, frozen=True, tag="hello"):
     """What a run says of itself: system, RtsProfile, command line, and time of its start.
 
-    `time` is in seconds since 1970.
+    `time` is in seconds since 1970, `plan` the timeline in order, `doc` what the system is. A run
+    that serves as many programs as it can is `full`, and hangs up. Members are added only, with
+    defaults, so that runs of other versions are listed.
     """
 
     name: str
@@ -40,6 +57,13 @@ class Hello(msgspec.Struct, frozen=True, tag="hello"):
     command: str
     simulated: bool
     time: float
+    version: str = ""
+    """Of rtgen."""
+    messages: int = 0
+    """See `MESSAGES`."""
+    plan: tuple[Planned, ...] = ()
+    doc: str = ""
+    full: bool = False
 
 
 class Ask(msgspec.Struct, frozen=True, tag="ask"):
@@ -67,6 +91,21 @@ class Give(msgspec.Struct, frozen=True, tag="give"):
     octets: bytes
 
 
+class Do(msgspec.Struct, frozen=True, tag="do"):
+    """A request to the program that runs the system; answered by a `Done` in an `Answer`."""
+
+    id: int
+    what: str
+    octets: bytes
+
+
+class Done(msgspec.Struct, frozen=True):
+    """The outcome of a `Do`: an error, or octets."""
+
+    error: str = ""
+    octets: bytes = b""
+
+
 class Answer(msgspec.Struct, frozen=True, tag="answer"):
     """The answer to the request of a number."""
 
@@ -81,6 +120,40 @@ class Value(msgspec.Struct, frozen=True, tag="value"):
     port: str
     time: int
     octets: bytes
+
+
+class Changed(msgspec.Struct, frozen=True, tag="changed"):
+    """A component has changed its state at a time [ns]; see `records.StateRecord`."""
+
+    time: int
+    instance: str
+    ec_id: int
+    before: str
+    after: str
+    reason: str
+
+
+class OnBus(msgspec.Struct, frozen=True, tag="frame"):
+    """A frame on a bus at a time [ns]."""
+
+    time: int
+    frame: BusFrame
+
+
+class OnBoard(msgspec.Struct, frozen=True, tag="call"):
+    """A call to a board, at a time [ns]."""
+
+    time: int
+    call: BoardCall
+
+
+class Noted(msgspec.Struct, frozen=True, tag="noted"):
+    """What else has happened, at a time [ns]."""
+
+    time: int
+    kind: str
+    instance: str
+    text: str
 
 
 class Wire(msgspec.Struct, frozen=True):
@@ -98,12 +171,13 @@ class Wire(msgspec.Struct, frozen=True):
 
 
 class Status(msgspec.Struct, frozen=True, tag="status"):
-    """The state of the run; `wires` None: as before. `dropped` values were not sent."""
+    """The state of the run; None: as before. `dropped` samples, frames and calls were not sent."""
 
     time: int
     instances: list[str] | None
     wires: list[Wire] | None
     dropped: int
+    chains: list[Latency] | None = None
 
 
 class End(msgspec.Struct, frozen=True, tag="end"):
@@ -113,8 +187,9 @@ class End(msgspec.Struct, frozen=True, tag="end"):
     reason: str
 
 
-Request = Ask | Listen | Give
-Report = Hello | Answer | Value | Status | End
+Request = Ask | Listen | Give | Do
+Event = Changed | OnBus | OnBoard | Noted
+Report = Hello | Answer | Value | Status | End | Changed | OnBus | OnBoard | Noted
 
 
 def folder() -> Path:
@@ -175,7 +250,7 @@ def connect(path: Path) -> tuple[socket.socket, Hello]:
         if hello is None:
             raise ConnectionResetError(f"{path}: the run has ended")
         stream.settimeout(None)
-    except (TimeoutError, ValueError) as error:
+    except (TimeoutError, ValueError, msgspec.MsgspecError) as error:
         stream.close()
         raise OSError(f"{path}: no answer: {error}") from error
     except OSError:

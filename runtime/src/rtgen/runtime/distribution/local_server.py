@@ -23,15 +23,22 @@ from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution import local_runs
 from rtgen.runtime.distribution.control import BURST, SHARE, Control
 from rtgen.runtime.distribution.data import Feed, encoder
-from rtgen.runtime.distribution.local_requests import InRun
+from rtgen.runtime.distribution.local_requests import Doing, InRun
 from rtgen.runtime.distribution.local_runs import (
     MAX_CLIENTS,
     Answer,
     Ask,
+    Changed,
+    Do,
+    Done,
     End,
+    Event,
     Give,
     Hello,
     Listen,
+    Noted,
+    OnBoard,
+    OnBus,
     Request,
     Status,
     Value,
@@ -44,9 +51,12 @@ from rtgen.runtime.errors import RtcError
 from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.system.joining import instances_of
-from rtgen.runtime.system.records import Record, Viewer
+from rtgen.runtime.system.latency import Latency
+from rtgen.runtime.system.records import Record, StateRecord, Viewer
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SECOND
+from rtgen.runtime.timing.traffic import BoardCall, BusFrame
+from rtgen.runtime.timing.traffic import Event as Happening
 
 _MAX_VALUES: Final = 2000
 """Maximum number of samples that wait for a client; more are dropped, and so are further ones while
@@ -58,6 +68,7 @@ _FLUSH: Final = 1 / 30
 _TELL: Final = 0.1
 """Time between two messages about the time of the run [s]."""
 _TELL_WIRES: Final = 0.5
+_TELL_CHAINS: Final = 1.0
 _SPAN: Final = SECOND
 """The time of the run over which samples are counted [ns]."""
 _FAREWELL: Final = 1.0
@@ -67,8 +78,15 @@ _FAREWELL: Final = 1.0
 class RunServer:
     """The connected programs of a run. `in_run` executes work in the thread of a simulated run."""
 
-    def __init__(self, system: System, hello: Hello, in_run: InRun | None) -> None:
+    def __init__(
+        self,
+        system: System,
+        hello: Hello,
+        in_run: InRun | None,
+        doing: Doing | None = None,
+    ) -> None:
         self.system = system
+        self.doing = doing
         self.hello = hello
         self.desk = Desk(SHARE, BURST)
         self._workers = Workers()
@@ -83,12 +101,15 @@ class RunServer:
         """Serve one more program, unless there are too many."""
         with self._lock:
             if self._closed or len(self._clients) >= MAX_CLIENTS:
+                with suppress(OSError):
+                    stream.send(packed(msgspec.structs.replace(self.hello, full=True)))
                 stream.close()
                 return
             client = _Client(self, stream)
             self._clients += (client,)
             if len(self._clients) == 1:
                 self.system.add_listener(self._tap)
+                self.system.clock.traffic.watch(self._tap.on_traffic)
         client.start()
 
     def leave(self, client: _Client) -> None:
@@ -96,7 +117,25 @@ class RunServer:
         with self._lock:
             self._clients = tuple(each for each in self._clients if each is not client)
             if not self._clients and not self._closed:
-                self.system.remove_listener(self._tap)
+                self._remove_tap()
+        if self.doing is not None:
+            self.doing.left(client.name)
+
+    def _remove_tap(self) -> None:
+        self.system.clock.traffic.unwatch(self._tap.on_traffic)
+        self.system.remove_listener(self._tap)
+
+    def tell(self, kind: str, instance: str, text: str) -> None:
+        """Tell the clients that something has happened."""
+        self.put_event(Noted(self.system.time, kind, instance, text))
+
+    def put_event(self, event: Event) -> None:
+        """Send an event to the clients that have room for it; changes of state to all."""
+        for client in self._clients:
+            if isinstance(event, Changed):
+                client.put(event)
+            elif client.has_room():
+                client.put_value(event)
 
     def end(self, reason: str) -> None:
         """Tell the clients that the run is over, and why."""
@@ -107,7 +146,7 @@ class RunServer:
         """Serve no more; messages that wait are sent, for a second at most."""
         with self._lock:
             self._closed = True
-            self.system.remove_listener(self._tap)
+            self._remove_tap()
         deadline = time.monotonic() + _FAREWELL
         for client in self._clients:
             client.close(max(deadline - time.monotonic(), 0.0))
@@ -181,7 +220,26 @@ class _Tap(Viewer):
         self._rates: dict[tuple[str, str], float] | None = None
 
     def __call__(self, record: Record) -> None:
-        """Do nothing: states are asked for."""
+        """Tell the clients of a change of state."""
+        if isinstance(record, StateRecord):
+            self._run.put_event(
+                Changed(
+                    record.time,
+                    record.instance,
+                    record.ec_id,
+                    record.before.name,
+                    record.after.name,
+                    record.reason,
+                )
+            )
+
+    def on_traffic(self, happening: Happening) -> None:
+        """Tell the clients of a frame or a call."""
+        match happening:
+            case BusFrame():
+                self._run.put_event(OnBus(self._run.system.time, happening))
+            case BoardCall():
+                self._run.put_event(OnBoard(self._run.system.time, happening))
 
     def rates(self) -> dict[tuple[str, str], float] | None:
         """Return the samples of OutPorts in a second of the run; None if not counted yet."""
@@ -241,7 +299,8 @@ class _Told:
     def __init__(self) -> None:
         self._instances: list[str] = []
         self._wires: list[Wire] | None = None
-        self._next, self._next_wires = 0.0, 0.0
+        self._chains: list[Latency] | None = None
+        self._next, self._next_wires, self._next_chains = 0.0, 0.0, 0.0
 
     def status(self, run: RunServer, dropped: int) -> bytes:
         """Return the message about the run that is due; else nothing."""
@@ -252,14 +311,18 @@ class _Told:
         if now < self._next_wires:
             return packed(Status(system.time, None, None, dropped))
         self._next_wires = now + _TELL_WIRES
-        instances, wires = [*system.instances], run.wires()
+        instances, wires, chains = [*system.instances], run.wires(), self._chains
+        if now >= self._next_chains:
+            self._next_chains = now + _TELL_CHAINS
+            chains = [*system.latencies]
         status = Status(
             system.time,
             None if instances == self._instances else instances,
             None if wires == self._wires else wires,
             dropped,
+            None if chains == self._chains else chains,
         )
-        self._instances, self._wires = instances, wires
+        self._instances, self._wires, self._chains = instances, wires, chains
         return packed(status)
 
 
@@ -270,7 +333,7 @@ class _Client:
         self.listened: frozenset[tuple[str, str]] = frozenset()
         self._run = run
         self._stream = stream
-        self._name = os.urandom(16)
+        self.name = os.urandom(16)
         self._controls: dict[Component, Control] = {}
         self._changed = threading.Condition()
         self._waiting: deque[bytes] = deque()
@@ -314,8 +377,8 @@ class _Client:
         self._dropped += 1
         return False
 
-    def put_value(self, value: Value) -> None:
-        """Send a sample; one that is too long is dropped."""
+    def put_value(self, value: Value | Event) -> None:
+        """Send a sample or an event; one that is too long is dropped."""
         try:
             data = packed(value)
         except ValueError:
@@ -381,11 +444,29 @@ class _Client:
                 control = self._controls.get(component)
                 if control is None:
                     control = self._controls[component] = self._run.control(component)
-                control.request(self._name, octets, reply)
+                control.request(self.name, octets, reply)
+            case Do(number, what, octets):
+                work = partial(self._do, number, what, octets)
+                if not self._run.in_turn(self.name, work):
+                    self._reply_done(number, Done("too many requests wait"))
             case Give(number, instance, port, octets):
                 work = partial(self._give, number, instance, port, octets)
-                if not self._run.in_turn(self._name, work):
+                if not self._run.in_turn(self.name, work):
                     self._reply(number, b"too many samples wait")
+
+    def _do(self, number: int, what: str, octets: bytes) -> None:
+        doing = self._run.doing
+        if doing is None:
+            self._reply_done(number, Done(f"this run cannot do that: {what}"))
+            return
+        try:
+            done = Done(octets=doing.do(self.name, what, octets))
+        except (RtcError, ValueError, msgspec.MsgspecError) as error:
+            done = Done(str(error) or type(error).__name__)
+        self._reply_done(number, done)
+
+    def _reply_done(self, number: int, done: Done) -> None:
+        self._reply(number, msgspec.msgpack.encode(done))
 
     def _give(self, number: int, instance: str, port: str, octets: bytes) -> None:
         refused = ""

@@ -25,6 +25,8 @@ from rtgen.runtime.rtc.life_cycle import Request
 from rtgen.runtime.rtc.participant import Participant
 from rtgen.runtime.timing.clocks import period_of
 
+_Around = Callable[[Callable[[], None]], Callable[[], None]]
+
 
 class Driver(Protocol):
     """The scheduler of a context: calls `cycle` and is notified of changes."""
@@ -108,7 +110,7 @@ class ExecutionContext:
         self._driver: Driver = driver or Undriven()
         self._listener = listener
         self._participants: tuple[Participant, ...] = ()
-        self._around: Callable[[Callable[[], None]], Callable[[], None]] | None = None
+        self._around: tuple[_Around, ...] = ()
 
     @property
     def period(self) -> int:
@@ -135,12 +137,16 @@ class ExecutionContext:
                 raise error
         return RTC_OK
 
-    def put_around_ticks(
-        self, around: Callable[[Callable[[], None]], Callable[[], None]]
-    ) -> None:
-        """Let a function wrap what is called for each tick."""
-        self._around = around
+    def put_around_ticks(self, around: _Around) -> Callable[[], None]:
+        """Let a function wrap what is called for each tick, until the result is called."""
+        self._around = (*self._around, around)
         self._choose_cycle()
+
+        def remove() -> None:
+            self._around = tuple(each for each in self._around if each is not around)
+            self._choose_cycle()
+
+        return remove
 
     def wake(self) -> None:
         """Let the participants process external input, without waiting for a tick.
@@ -343,8 +349,8 @@ class ExecutionContext:
             self.cycle = sole.cycle
         else:
             self.cycle = self._cycle_of_all
-        if self._around is not None:
-            self.cycle = self._around(self.cycle)
+        for around in self._around:
+            self.cycle = around(self.cycle)
         self._driver.cycle_changed(self)
 
     def _cycle_between_samples(self) -> None:

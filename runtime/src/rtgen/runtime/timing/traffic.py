@@ -77,6 +77,10 @@ class Traffic:
         """Add a watcher."""
         self.watchers = (*self.watchers, watcher)
 
+    def unwatch(self, watcher: Watcher) -> None:
+        """Remove a watcher; an unknown one is ignored."""
+        self.watchers = tuple(each for each in self.watchers if each != watcher)
+
     def report(self, event: Event) -> None:
         """Notify the watchers of an event."""
         for watcher in self.watchers:

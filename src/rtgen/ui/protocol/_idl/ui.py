@@ -9,7 +9,7 @@ from typing import ClassVar, Final, Self, TypeAlias
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, AliasCodec, Enumeration, Union, field
 
-VERSION: Final = 8
+VERSION: Final = 9
 """Version of the protocol; a page with another version reloads."""
 MAX_SAMPLES: Final = 2000
 """Maximum number of past samples of a channel that a page gets at once: the newest half, and some older ones."""
@@ -407,6 +407,33 @@ class Flow(Aggregated):
     """Samples that did not reach its InPort."""
     details: str = ""
     """Why they were lost; empty: none was."""
+
+
+class Chain(Aggregated):
+    """Latencies of the samples of a chain of connections [s], from the first write to the last read."""
+
+    _descriptor_: ClassVar = idl.struct(
+        "Ui::Chain",
+        name=idl.STRING,
+        ports=_Strings_alias,
+        samples=idl.UNSIGNED_LONG_LONG,
+        least=idl.DOUBLE,
+        median=idl.DOUBLE,
+        late=idl.DOUBLE,
+        greatest=idl.DOUBLE,
+    )
+
+    name: str = ""
+    """The first port, the components between, the last port."""
+    ports: Strings = field(default_factory=list)
+    """`INSTANCE.PORT` in order."""
+    samples: int = 0
+    """0: none has come through."""
+    least: float = 0.0
+    median: float = 0.0
+    late: float = 0.0
+    """The 99th percentile."""
+    greatest: float = 0.0
 
 
 class PlannedEvent(Aggregated):
@@ -1015,6 +1042,7 @@ class Result(Aggregated):
         text=idl.STRING,
         fits=idl.sequence(Fit),
         objects=idl.sequence(ObjectEntry),
+        files=_Strings_alias,
         renamed=idl.sequence(FileChange),
     )
 
@@ -1031,6 +1059,7 @@ class Result(Aggregated):
     """Value of an SDO transfer."""
     fits: list[Fit] = field(default_factory=list)
     objects: list[ObjectEntry] = field(default_factory=list)
+    files: Strings = field(default_factory=list)
     renamed: list[FileChange] = field(default_factory=list)
     """What a rename or an adjustment changes, or has changed."""
 
@@ -1075,6 +1104,16 @@ class FlowListCodec(AliasCodec[FlowList]):
     _descriptor_: ClassVar = _FlowList_alias
 
 
+ChainList: TypeAlias = list[Chain]
+_ChainList_alias = idl.alias("Ui::ChainList", idl.sequence(Chain))
+
+
+class ChainListCodec(AliasCodec[ChainList]):
+    """The codec of `Ui::ChainList`."""
+
+    _descriptor_: ClassVar = _ChainList_alias
+
+
 class EventKind(Enumeration):
     """`Ui::EventKind`."""
 
@@ -1105,6 +1144,7 @@ class EventKind(Enumeration):
     EVENT_BESIDE = 24
     EVENT_NAMING = 25
     EVENT_FLOWS = 26
+    EVENT_CHAINS = 27
 
 
 idl.enum(EventKind, "Ui::EventKind")
@@ -1143,10 +1183,11 @@ class Event(Union):
         other=idl.case(StateChange, EventKind.EVENT_BESIDE),
         naming=idl.case(_NamingServices_alias, EventKind.EVENT_NAMING),
         flows=idl.case(_FlowList_alias, EventKind.EVENT_FLOWS),
+        chains=idl.case(_ChainList_alias, EventKind.EVENT_CHAINS),
     )
 
     discriminator: EventKind = EventKind.EVENT_HELLO
-    value: Hello | SystemState | AddedTypes | Component | str | Connection | StateChange | StatisticsList | ParameterChange | ActiveSet | Channel | SampleList | ClockState | SentLess | Result | Moved | EditState | Notice | FrameList | Bus | BusLoad | BoardCall | NamingServices | FlowList = field(default_factory=Hello)  # fmt: skip
+    value: Hello | SystemState | AddedTypes | Component | str | Connection | StateChange | StatisticsList | ParameterChange | ActiveSet | Channel | SampleList | ClockState | SentLess | Result | Moved | EditState | Notice | FrameList | Bus | BusLoad | BoardCall | NamingServices | FlowList | ChainList = field(default_factory=Hello)  # fmt: skip
 
     @classmethod
     def of_greeting(cls, value: Hello) -> Self:
@@ -1445,6 +1486,17 @@ class Event(Union):
         value: FlowList = self._selected_("flows")
         return value
 
+    @classmethod
+    def of_chains(cls, value: ChainList) -> Self:
+        """A value of the branch `chains`."""
+        return cls(EventKind.EVENT_CHAINS, value)
+
+    @property
+    def chains(self) -> ChainList:
+        """The measured chains, the longest first, at most once a second."""
+        value: ChainList = self._selected_("chains")
+        return value
+
 
 class ServerMessage(Aggregated):
     """`Ui::ServerMessage`."""
@@ -1702,6 +1754,8 @@ class CommandKind(Enumeration):
     COMMAND_REPLACE = 31
     COMMAND_RENAME = 32
     COMMAND_ADJUST = 33
+    COMMAND_RECORDINGS = 34
+    COMMAND_COMPARE = 35
 
 
 idl.enum(CommandKind, "Ui::CommandKind")
@@ -1746,6 +1800,8 @@ class Command(Union):
         kept=idl.case(idl.BOOLEAN, CommandKind.COMMAND_BESIDE),
         renamed=idl.case(Rename, CommandKind.COMMAND_RENAME),
         adjusted=idl.case(Adjust, CommandKind.COMMAND_ADJUST),
+        listed=idl.case(idl.BOOLEAN, CommandKind.COMMAND_RECORDINGS),
+        compared=idl.case(idl.STRING, CommandKind.COMMAND_COMPARE),
         looked=idl.case(idl.DOUBLE, CommandKind.COMMAND_LOOK),
     )
 
@@ -2113,6 +2169,28 @@ class Command(Union):
     def adjusted(self) -> Adjust:
         """The Result has the findings of the judge as `text`, and the change of the file in `renamed`."""
         value: Adjust = self._selected_("adjusted")
+        return value
+
+    @classmethod
+    def of_listed(cls, value: bool) -> Self:
+        """A value of the branch `listed`."""
+        return cls(CommandKind.COMMAND_RECORDINGS, value)
+
+    @property
+    def listed(self) -> bool:
+        """The Result has the recordings that can be compared in `files`."""
+        value: bool = self._selected_("listed")
+        return value
+
+    @classmethod
+    def of_compared(cls, value: str) -> Self:
+        """A value of the branch `compared`."""
+        return cls(CommandKind.COMMAND_COMPARE, value)
+
+    @property
+    def compared(self) -> str:
+        """A recording to compare with the run; empty: none."""
+        value: str = self._selected_("compared")
         return value
 
     @classmethod

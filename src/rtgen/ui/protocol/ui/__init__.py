@@ -18,6 +18,9 @@ from .._idl.ui import (
     BusLoad as BusLoad,
     BusNode as BusNode,
     Call__ as Call,
+    Chain as Chain,
+    ChainList as ChainList,
+    ChainListCodec as ChainListCodec,
     Channel as Channel,
     ClientMessage as ClientMessage,
     ClockKind as ClockKind,
@@ -155,6 +158,7 @@ EVENT_END: Final = EventKind.EVENT_END
 EVENT_BESIDE: Final = EventKind.EVENT_BESIDE
 EVENT_NAMING: Final = EventKind.EVENT_NAMING
 EVENT_FLOWS: Final = EventKind.EVENT_FLOWS
+EVENT_CHAINS: Final = EventKind.EVENT_CHAINS
 RENAME_INSTANCE: Final = RenameKind.RENAME_INSTANCE
 RENAME_COMPONENT: Final = RenameKind.RENAME_COMPONENT
 RENAME_PORT: Final = RenameKind.RENAME_PORT
@@ -193,6 +197,8 @@ COMMAND_RESTORE: Final = CommandKind.COMMAND_RESTORE
 COMMAND_REPLACE: Final = CommandKind.COMMAND_REPLACE
 COMMAND_RENAME: Final = CommandKind.COMMAND_RENAME
 COMMAND_ADJUST: Final = CommandKind.COMMAND_ADJUST
+COMMAND_RECORDINGS: Final = CommandKind.COMMAND_RECORDINGS
+COMMAND_COMPARE: Final = CommandKind.COMMAND_COMPARE
 
 __all__ = [
     "ActiveSet",
@@ -218,6 +224,7 @@ __all__ = [
     "COMMAND_ADJUST",
     "COMMAND_BESIDE",
     "COMMAND_CALL",
+    "COMMAND_COMPARE",
     "COMMAND_CONNECT",
     "COMMAND_CUT",
     "COMMAND_DEACTIVATE",
@@ -230,6 +237,7 @@ __all__ = [
     "COMMAND_OPEN",
     "COMMAND_PAUSE",
     "COMMAND_PLAY",
+    "COMMAND_RECORDINGS",
     "COMMAND_REDO",
     "COMMAND_REMOVE",
     "COMMAND_RENAME",
@@ -247,6 +255,9 @@ __all__ = [
     "COMMAND_UNDO",
     "COMMAND_WATCH",
     "Call",
+    "Chain",
+    "ChainList",
+    "ChainListCodec",
     "Channel",
     "ClientMessage",
     "ClockKind",
@@ -261,6 +272,7 @@ __all__ = [
     "EVENT_BESIDE",
     "EVENT_BOARD_CALL",
     "EVENT_BUS",
+    "EVENT_CHAINS",
     "EVENT_CHANNEL",
     "EVENT_COMPONENT",
     "EVENT_CONNECTED",
