@@ -7,6 +7,7 @@ import { Changes } from "./Changes.tsx";
 import { limits } from "./Configuration.tsx";
 import { Button } from "./kit/Button.tsx";
 import { Dialog } from "./kit/Dialog.tsx";
+import { chainsOf, times } from "./Latencies.tsx";
 import { linesOf } from "./lines.ts";
 import type { Connection, FileChange, Parameter, Port, PortAddress, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
@@ -231,6 +232,13 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
                 <Rate connection={connection} />
               </Row>
             )}
+            {chainsOf(store.page.chains, connection).map((each) => (
+              <Row key={each.name} name={t("latency")}>
+                <bdi>{each.name}</bdi>
+                <br />
+                {times(each)}
+              </Row>
+            ))}
             {!isService && rows((each) => !BUFFER.test(each))}
           </tbody>
         </table>

@@ -3,6 +3,7 @@
 import { Activity, CircleAlert, MousePointerClick, Plus, Spline } from "lucide-react";
 import { joined } from "./Inspector.tsx";
 import type { Subject } from "./Inspector.tsx";
+import { Latencies } from "./Latencies.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
 import { stateClass, stateOf, store } from "./store.ts";
 import { rich, t } from "./texts.ts";
@@ -12,7 +13,7 @@ const MOST = 12;
 
 export function Overview({ system, select, inspect }: { system: SystemState; select: (instance: string) => void; inspect: (subject: Subject) => void }) {
   const { components, connections, time, plan } = system;
-  const { flows, statistics, traffic } = { ...store.page, traffic: store.traffic };
+  const { flows, chains, statistics, traffic } = { ...store.page, traffic: store.traffic };
   const states = new Map<string, { of: string; instances: string[] }>();
   for (const each of components) {
     const name = stateOf(each);
@@ -71,6 +72,7 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
           ))}
         </ul>
       </section>
+      <Latencies chains={chains} select={inspect} system={system} />
       {system.buses.length > 0 && (
         <section aria-label={t("Buses")} className="card">
           <h2>{t("Buses")}</h2>

@@ -1,8 +1,10 @@
 /** The time line: play, pause, step, speed, setting time, and looking back, with marks of what happened and what is planned. */
 
-import { Pause, Play, Rewind, StepForward } from "lucide-react";
+import { GitCompareArrows, Pause, Play, Rewind, StepForward } from "lucide-react";
 import { memo, useEffect, useState } from "react";
 import { Button, IconButton } from "./kit/Button.tsx";
+import { Menu } from "./Menu.tsx";
+import type { Place } from "./Menu.tsx";
 import type { PlannedEvent, SystemState } from "./protocol/Ui.ts";
 import type { Line } from "./store.ts";
 import { store } from "./store.ts";
@@ -90,6 +92,29 @@ const Marks = memo(function Marks({ marks, first, end }: { marks: readonly Mark[
     </svg>
   );
 });
+
+/** Opens a recording beside the run. */
+function Compare({ beside }: { beside: string }) {
+  const [menu, show] = useState<Place>();
+  const [files, list] = useState<readonly string[]>([]);
+  const find = async ({ x, y }: { x: number; y: number }) => {
+    const { files = [] } = await store.ask({ case: "listed", value: true });
+    if (!files.length && !beside) store.notify(t("There is no recording here: `rtgen run --record FILE.mcap` writes one."));
+    else {
+      list(files);
+      show({ label: t("Compare with a recording"), x, y });
+    }
+  };
+  const compare = (file: string) => () => void store.order({ case: "compared", value: file });
+  return (
+    <>
+      <IconButton icon={GitCompareArrows} label={t("Compare with a recording")} onClick={(e) => void find(e.currentTarget.getBoundingClientRect())} />
+      {menu && (
+        <Menu place={menu} items={[...(beside ? [{ name: t("Compare with nothing"), act: compare("") }] : []), ...files.map((name) => ({ name, act: compare(name) }))]} close={() => show(undefined)} />
+      )}
+    </>
+  );
+}
 
 function marksOf(lines: readonly Line[], plan: readonly PlannedEvent[], now: number): Mark[] {
   return [
@@ -188,6 +213,7 @@ export function TimeBar({ system, full, lines, live, brief }: { system: SystemSt
               {system.beside ? t("Beside: {beside}", { beside: system.beside }) : t("Keep beside")}
             </Button>
         )}
+        {!recording && full && !brief && <Compare beside={system.beside} />}
         {!recording && (
           <Button className={`live ${live && !time.past ? "on" : ""}`} title={time.past ? t("Back to the present") : t("The page shows the present")} disabled={!time.past} onClick={() => void store.look(-1)}>
             {t("Live")}

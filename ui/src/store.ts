@@ -1,7 +1,7 @@
 /** State of the page: the system as described by the events of the server. */
 
 import { ClientMessage, ServerMessage, VERSION } from "./protocol/Ui.ts";
-import type { Channel, Command, Component, Connection, Event, Flow, Result, SystemState } from "./protocol/Ui.ts";
+import type { Chain, Channel, Command, Component, Connection, Event, Flow, Result, SystemState } from "./protocol/Ui.ts";
 import { CdrError, decode, deserialize, encode } from "./protocol/_cdr.ts";
 import { TypeTable } from "./protocol/table.ts";
 import { isFull, thin } from "./series.ts";
@@ -59,6 +59,8 @@ export interface Page {
   beside: ReadonlyMap<string, string>;
   /** The counts of samples, by connection. */
   flows: ReadonlyMap<string, Flow>;
+  /** The latencies of chains of connections. */
+  chains: readonly Chain[];
   notice: string;
   /** The last change of the wiring as text, for screen readers. */
   announced: string;
@@ -113,6 +115,7 @@ const unavailable: Page = {
   said: [],
   beside: new Map(),
   flows: new Map(),
+  chains: [],
   notice: "",
   announced: "",
   span: 0,
@@ -299,7 +302,7 @@ export class Store {
         this.types.add(0, event.value.types);
         this.tracks.clear();
         this.traffic = new Traffic();
-        if (event.value.time.past || this.page.system?.time.past || begun(event.value) !== begun(this.page.system)) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map(), flows: new Map() };
+        if (event.value.time.past || this.page.system?.time.past || begun(event.value) !== begun(this.page.system)) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map(), flows: new Map(), chains: [] };
         if (event.value.edits.file !== this.page.system?.edits.file) this.page = { ...this.page, zoom: undefined };
         this.page = { ...this.page, system: event.value, notice: "" };
         if (this.wanted !== undefined) {
@@ -399,6 +402,9 @@ export class Store {
         break;
       case "reason":
         this.page = { ...this.page, notice: event.value };
+        break;
+      case "chains":
+        this.page = { ...this.page, chains: event.value };
         break;
       case "flows":
         this.page = { ...this.page, flows: new Map(event.value.map((each) => [each.name, each])) };

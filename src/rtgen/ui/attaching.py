@@ -13,11 +13,13 @@ from rtgen.runtime.distribution import local_runs
 from rtgen.runtime.distribution.local_link import LEFT_OUT, LocalLink
 from rtgen.runtime.distribution.local_runs import Event, Hello, Wire
 from rtgen.runtime.distribution.medium import MediumError, PeerLostError
+from rtgen.runtime.failures import log
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.running.attached import (
     FRAME,
     READ,
     RECORD,
+    STOP,
     WRITE,
     SendFrame,
     Transfer,
@@ -224,7 +226,12 @@ class RunLink:
         self._link.give(there, type_, value)
 
     def close(self) -> None:
-        """Leave the run as it is."""
+        """Leave the run as it is, and end its recording."""
+        if self._recording.file is not None and not self._link.end:
+            try:
+                self._link.do(STOP)
+            except MediumError as error:
+                log.warning("the recording may not be complete: %s", error)
         self._link.close()
 
 

@@ -295,6 +295,7 @@ LOOKING = {
     "channels": [],
     "ends": ui.PortAddress("Odometry0", "OdometryPosition"),
     "looked": -1.0,
+    "listed": True,
 }
 NODE = ui.NodeAddress("can0", 1)
 CHANGING = {
@@ -323,6 +324,7 @@ CHANGING = {
     "injected": ui.Inject(ui.PortAddress("RefHardRh30", "InTargetVelocity")),
     "renamed": ui.Rename(instance="Odometry0", name="Odometer0"),
     "adjusted": ui.Adjust(VELOCITY),
+    "compared": "goal.mcap",
 }
 """Every command of a page that may only look: those that it may give, and the others."""
 

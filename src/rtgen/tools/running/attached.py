@@ -23,6 +23,8 @@ FRAME: Final = "frame"
 READ: Final = "read"
 WRITE: Final = "write"
 RECORD: Final = "record"
+STOP: Final = "stop"
+"""Ends the recording."""
 
 
 class SendFrame(msgspec.Struct, frozen=True):
@@ -64,6 +66,9 @@ class Attached:
         match what:
             case "frame" | "read" | "write":
                 return self._on_bus(what, octets)
+            case "stop":
+                self.left(client)
+                return b""
             case "record":
                 options = msgspec.msgpack.decode(octets, type=RecordingOptions)
                 self._record(client, options)

@@ -53,6 +53,8 @@ from rtgen.runtime.system.latency import Latency
 LEFT_OUT = (
     "samples, frames or calls are left out here: they come too fast, or are too long"
 )
+_DOING = 15.0
+"""Time for what the program does [s]: it may have to load libraries."""
 _LOST = "its process has ended without a farewell: it was killed, or has crashed"
 
 
@@ -146,7 +148,7 @@ class LocalLink(Closable):
 
     def do(self, what: str, octets: bytes = b"") -> bytes:
         """Let the program that runs the system do something. Raises MediumError."""
-        answer = self.ask(lambda number: Do(number, what, octets), self._timeout)
+        answer = self.ask(lambda number: Do(number, what, octets), _DOING)
         done = msgspec.msgpack.decode(answer, type=Done)
         if done.error:
             raise MediumError(done.error)

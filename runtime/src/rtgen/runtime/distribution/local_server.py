@@ -336,11 +336,11 @@ class _Client:
         self.name = os.urandom(16)
         self._controls: dict[Component, Control] = {}
         self._changed = threading.Condition()
-        self._waiting: deque[bytes] = deque()
+        self._waiting: deque[bytes] = deque([packed(run.hello)])
         self._values = self._octets = 0
         """How many of them are samples, and the length of these."""
         self._dropped = 0
-        self._is_urgent = False
+        self._is_urgent = True
         self._closing = False
         self._threads = [
             threading.Thread(target=each, name="rtgen attached", daemon=True)
@@ -349,7 +349,6 @@ class _Client:
 
     def start(self) -> None:
         """Begin to serve."""
-        self.put(self._run.hello)
         for each in self._threads:
             each.start()
 
