@@ -14,7 +14,12 @@ from rtgen.runtime.canopen.wire.nmt import NmtCommand, command_frame
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.timing.traffic import BusFrame
-from rtgen.tools.running.bus_access import RealBusError
+from rtgen.tools.running.bus_access import (
+    MAX_CYCLIC_FRAMES,
+    MIN_PERIOD,
+    CyclicFramesError,
+    RealBusError,
+)
 from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
 
@@ -175,6 +180,8 @@ class Buses(SeenBuses):
     def send(self, command: ui.SendFrame) -> None:
         """Send a frame once, or from now on with a period; a period 0 ends that."""
         self._existing_bus(command.bus)
+        if command.period and not command.period >= MIN_PERIOD:
+            raise CommandError(BAD_VALUE, f"a period of {command.period:g} s")
         with _explained():
             frame = Frame(
                 command.can_id, command.data, command.remote, command.extended
@@ -226,7 +233,11 @@ def _explained() -> Iterator[None]:
         yield
     except RealBusError as error:
         hint = "`rtgen can send` and `rtgen can sdo` reach a real one"
-        raise CommandError(IMPOSSIBLE, str(error), hint) from error
+        message = "pages send on simulated buses only"
+        raise CommandError(IMPOSSIBLE, message, hint) from error
+    except CyclicFramesError as error:
+        message = f"{MAX_CYCLIC_FRAMES} cyclic frames are sent already"
+        raise CommandError(BAD_VALUE, message) from error
     except (SdoAbort, LinkError, MediumError) as error:
         raise CommandError(CALL_FAILED, str(error)) from error
     except ValueError as error:

@@ -99,6 +99,7 @@ class Shown:
         self._recorded.close()
 
 
+@pytest.mark.nightly
 def test_frames_are_recorded_and_each_run_has_its_file(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:
@@ -172,6 +173,7 @@ def test_a_recording_is_opened_beside_a_run(
     page.until(lambda: not any(each.beside for each in page.channels))
 
 
+@pytest.mark.nightly
 def test_a_recording_is_opened_beside_an_attached_run(
     recording: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

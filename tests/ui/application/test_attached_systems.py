@@ -31,6 +31,7 @@ def folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
         yield Path(name)
 
 
+@pytest.mark.nightly
 def test_frames_nodes_and_objects_of_its_buses() -> None:
     with (
         running(str(FOURX), *PACED) as program,
@@ -102,6 +103,7 @@ def test_its_timeline_and_the_times_of_its_states() -> None:
         assert len([e for e in page.changes if e.instance == instance]) == 1
 
 
+@pytest.mark.nightly
 def test_latencies_of_its_chains() -> None:
     with running(str(GOAL), *PACED) as program, watching(program.path) as page:
         chain = page.until(lambda: next((c for c in page.chains if c.samples), None))
@@ -109,6 +111,7 @@ def test_latencies_of_its_chains() -> None:
         assert len(chain.ports) > 2
 
 
+@pytest.mark.nightly
 def test_two_pages_see_the_same_and_a_ninth_is_refused(
     capsys: pytest.CaptureFixture[str],
 ) -> None:

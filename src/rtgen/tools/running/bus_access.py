@@ -14,11 +14,15 @@ from rtgen.runtime.timing.clocks import SECOND
 
 MAX_CYCLIC_FRAMES: Final = 64
 """Maximum number of cyclic frames per bus."""
-_MIN_PERIOD: Final = 0.001
+MIN_PERIOD: Final = 0.001
 
 
 class RealBusError(RtcError):
     """The bus is not simulated."""
+
+
+class CyclicFramesError(RtcError):
+    """Too many cyclic frames are sent."""
 
 
 class BusAccess:
@@ -31,7 +35,7 @@ class BusAccess:
     def send(self, bus: str, frame: Frame, period: float) -> None:
         """Send a frame once, or from now on with a period [s]; a period 0 ends that.
 
-        Raises LinkError; ValueError for the period, or too many cyclic frames.
+        Raises LinkError; ValueError for the period, CyclicFramesError.
         """
         link = self._link(bus)
         cyclic = self._cyclic.setdefault(bus, {})
@@ -43,10 +47,12 @@ class BusAccess:
         if not period:
             link.send([frame])
             return
-        if not period >= _MIN_PERIOD:
+        if not period >= MIN_PERIOD:
             raise ValueError(f"a period of {period:g} s")
         if len(cyclic) >= MAX_CYCLIC_FRAMES:
-            raise ValueError(f"{MAX_CYCLIC_FRAMES} cyclic frames are sent already")
+            raise CyclicFramesError(
+                f"{MAX_CYCLIC_FRAMES} cyclic frames are sent already"
+            )
         cyclic[key] = self._system.every(
             round(period * SECOND), lambda: link.send([frame])
         )
