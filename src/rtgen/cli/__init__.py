@@ -110,7 +110,7 @@ def _show(error: click.ClickException) -> None:
 
 
 def _language_of_project() -> str | None:
-    from rtgen.compiler.project.language import language_of_project
+    from rtgen.compiler.kit.project_file import language_of_project
 
     return language_of_project()
 

@@ -5,7 +5,6 @@ from __future__ import annotations
 import click
 
 from rtgen.cli.definition_options import (
-    with_answer,
     with_definitions,
     with_node_id,
     with_output,
@@ -14,6 +13,7 @@ from rtgen.cli.definition_options import (
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
+from rtgen.cli.stored_answers import with_answer
 from rtgen.compiler.diagnostics import has_errors
 from rtgen.compiler.diagnostics.printable import printable
 from rtgen.compiler.project import Project, cache, shown

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import functools
 import gc
-import sys
 from collections.abc import Callable, Sequence
 from typing import Any
 
@@ -15,9 +14,6 @@ from rtgen.cli.parameter_types import WholeRange
 from rtgen.compiler.project import PRELUDES, TARGETS
 from rtgen.facts.decoded_text import NAMES
 from rtgen.tools.compiling.definitions import Definitions
-
-_NOT_REPEATED = ("no_cache", "verbose", "fix")
-"""Parameters with which an answer is not stored: with the last two it is another each time."""
 
 
 def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
@@ -109,21 +105,6 @@ def with_cache(function: Callable[P, int]) -> Callable[P, int]:
     return click.option(
         "--no-cache", is_flag=True, help="Neither read nor write the cache."
     )(function)
-
-
-def with_answer(function: Callable[..., int]) -> Callable[..., int]:
-    """Store the answer of a command, which is repeated while nothing changes; place it first."""
-
-    @functools.wraps(function)
-    def wrapped(**kwargs: Any) -> int:
-        is_of_process = click.get_current_context().find_root().obj
-        if not is_of_process or any(map(kwargs.get, _NOT_REPEATED)):
-            return function(**kwargs)
-        from rtgen.tools.kit.answering import answered
-
-        return answered(sys.argv[1:], lambda: function(**kwargs))
-
-    return wrapped
 
 
 def with_target(function: Callable[P, int]) -> Callable[P, int]:

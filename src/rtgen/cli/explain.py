@@ -6,9 +6,9 @@ import sys
 
 import click
 
-from rtgen.cli.definition_options import with_answer
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
+from rtgen.cli.stored_answers import with_answer
 from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import padded
 from rtgen.tools.kit.console import Console, forget_output, write_error, write_out

@@ -7,10 +7,11 @@ from collections.abc import Sequence
 import click
 from msgspec.structs import replace
 
-from rtgen.cli.definition_options import with_answer, with_cache, with_definitions
+from rtgen.cli.definition_options import with_cache, with_definitions
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
+from rtgen.cli.stored_answers import with_answer
 from rtgen.compiler import compilation
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Severity, has_errors
 from rtgen.compiler.frontends import FrontendResult

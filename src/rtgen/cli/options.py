@@ -15,10 +15,7 @@ import click
 from rtgen.cli.help import LANGUAGE, MESSAGES, grouped
 from rtgen.compiler.backends.kit.quoting import UnquotableError
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
-from rtgen.compiler.project import (
-    path_finding,
-)
-from rtgen.compiler.project.paths import RENAME_JOURNAL
+from rtgen.compiler.kit.own_files import RENAME_JOURNAL
 from rtgen.facts.files import exists
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, FAILED, ReportedError
@@ -110,6 +107,7 @@ def _of_file(error: OSError) -> Diagnostic | None:
         or os.environ.get("RTGEN_DEBUG") == "1"
     ):
         return None
+    from rtgen.compiler.project import path_finding
     from rtgen.compiler.project.rules import ENVIRONMENT
 
     name = os.fsdecode(error.filename)

@@ -14,7 +14,7 @@ from small_pipeline import Pipeline
 
 import rtgen
 from rtgen.cli import run
-from rtgen.compiler.kit import own_files, plugins
+from rtgen.compiler.kit import own_files, plugins, stored_files
 from rtgen.compiler.project import Project, cache, load, with_arguments
 from rtgen.compiler.project.compilation import Compilation
 from rtgen.tools.compiling.cached import build
@@ -171,7 +171,7 @@ def test_files_of_others_in_the_folder_are_left_alone(
     pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     """The folder may be a link to one with other files: only entries are removed."""
-    monkeypatch.setattr(cache, "_MAX_BYTES", 10)
+    monkeypatch.setattr(stored_files, "MAX_BYTES", 10)
     documents = tmp_path / "documents"
     documents.mkdir()
     (documents / "thesis.json").write_text("years of work")
@@ -199,7 +199,7 @@ def test_a_link_of_another_user_is_not_followed(
 def test_the_number_of_entries_is_bounded(
     pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cache, "_MAX_ENTRIES", 3)
+    monkeypatch.setattr(stored_files, "_MAX_FILES", 3)
     for number in range(6):
         build(replace(project(), package=f"p{number}"), cache.default())
         for age, entry in enumerate(entries(tmp_path)):
@@ -210,7 +210,7 @@ def test_the_number_of_entries_is_bounded(
 def test_the_size_is_bounded(
     pipeline: Pipeline, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(cache, "_MAX_BYTES", 10)
+    monkeypatch.setattr(stored_files, "MAX_BYTES", 10)
     build(project(), cache.default())
     assert entries(tmp_path) == []
 

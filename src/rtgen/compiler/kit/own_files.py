@@ -18,6 +18,8 @@ _PARTS = ("compiler", "openrtm", "ros2", "templates")
 _RUNTIME_PARTS = ("facts", "small_runtime")
 RUNS = "runs"
 """The folder of results of runs, in that of caches."""
+RENAME_JOURNAL = ".rtgen-rename.json"
+"""The file beside rtgen.toml that a rename has until it is complete."""
 _SKIPPED = ("__pycache__", "pages")
 """Folders without effect on the output; pages only explain it."""
 

@@ -1,7 +1,7 @@
 """A project: `rtgen.toml`, its source files, the cache, and the output folders."""
 
+from rtgen.compiler.kit.project_file import FILE_NAME, find
 from rtgen.compiler.project.kinds import (
-    FILE_NAME,
     is_bus_file,
     is_component_profile,
     is_system,
@@ -18,7 +18,7 @@ from rtgen.compiler.project.loading import (
     require_sources,
     with_arguments,
 )
-from rtgen.compiler.project.paths import files, find, shown
+from rtgen.compiler.project.paths import files, shown
 from rtgen.compiler.project.run_table import RunTable, load_run_table
 from rtgen.compiler.project.transport_names import ENGINES, TRANSPORTS
 

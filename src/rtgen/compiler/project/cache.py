@@ -10,7 +10,6 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-import re
 import sys
 from collections.abc import Callable, Sequence
 from functools import cache
@@ -23,20 +22,17 @@ import msgspec
 
 from rtgen.compiler.backends import Artifact, ComponentTypes, Owner
 from rtgen.compiler.diagnostics import Diagnostic, Related, Severity, Span
-from rtgen.compiler.kit import stages
+from rtgen.compiler.kit import stages, stored_files
 from rtgen.compiler.kit.own_files import (
-    RUNS,
     compiler_folders,
-    is_own,
     read_own,
     stamp,
     stamp_of,
-    user_folder,
 )
 from rtgen.compiler.project.compilation import Compilation, Declared
 from rtgen.compiler.project.kinds import is_component_profile
 from rtgen.compiler.project.loading import Project
-from rtgen.facts.files import MAX_BYTES, read_start, write_atomically
+from rtgen.facts.files import MAX_BYTES, read_start
 
 if TYPE_CHECKING:
     from importlib import metadata
@@ -44,11 +40,6 @@ if TYPE_CHECKING:
 _FORMAT = "rtgen-run/5"
 _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 """Libraries whose versions affect the output."""
-
-_MAX_ENTRIES = 128
-_MAX_BYTES = 64 * 1024 * 1024
-_NAME = r"[0-9a-f]{64}\.json|[0-9a-f]{8}\.answer"
-_ENTRY = re.compile(rf"{_NAME}|\.({_NAME})\.\d+")
 
 _Place: TypeAlias = tuple[str, int, int, int, int]
 _Finding: TypeAlias = tuple[
@@ -161,7 +152,7 @@ class Cache:
     def load(self, key: str) -> Compilation | None:
         """Return the entry of a key, if it exists and its dependencies are unchanged."""
         file = self._file(key)
-        content = read_own(str(file), _MAX_BYTES + 1) or b""
+        content = read_own(str(file), stored_files.MAX_BYTES + 1) or b""
         digest, _, payload = content.partition(b"\n")
         if digest != sha256(payload).hexdigest().encode():
             return None
@@ -204,40 +195,15 @@ class Cache:
         }
         payload = json.dumps(entry).encode()
         data = sha256(payload).hexdigest().encode() + b"\n" + payload
-        self.write(self._file(key).name, data)
-
-    def write(self, name: str, data: bytes) -> None:
-        """Write a file, unless the folder is read-only or another user's."""
-        with contextlib.suppress(OSError):
-            self._folder.mkdir(mode=0o700, parents=True, exist_ok=True)
-            if not is_own(str(self._folder), sole_writer=False):
-                return
-            self._folder.chmod(0o700)
-            write_atomically(self._folder / name, data, mode=0o600)
-            self._trim()
+        stored_files.write(self._folder, self._file(key).name, data)
 
     def _file(self, key: str) -> Path:
         return self._folder / f"{key}.json"
 
-    def _trim(self) -> None:
-        """Remove the least recently used entries, and leftovers of killed runs."""
-        entries = []
-        for file in self._folder.iterdir():
-            if not _ENTRY.fullmatch(file.name):
-                continue
-            with contextlib.suppress(FileNotFoundError):
-                status = file.stat()
-                entries.append((status.st_mtime_ns, status.st_size, file))
-        size = 0
-        for number, (_, bytes_, file) in enumerate(sorted(entries, reverse=True)):
-            size += bytes_
-            if number >= _MAX_ENTRIES or size > _MAX_BYTES:
-                file.unlink(missing_ok=True)
-
 
 def default() -> Cache:
     """Return the user's cache."""
-    return Cache(Path(user_folder()) / RUNS)
+    return Cache(stored_files.folder())
 
 
 def _files_in_diagnostics(run: Compilation) -> set[str]:

@@ -9,8 +9,8 @@ import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.frontends import key_of
+from rtgen.compiler.kit.project_file import FILE_NAME
 from rtgen.compiler.kit.resources import ros_interfaces
-from rtgen.compiler.project.kinds import FILE_NAME
 from rtgen.compiler.project.loading import Project
 from rtgen.compiler.project.output import MANIFEST
 from rtgen.compiler.project.rules import CHANGED_INPUTS

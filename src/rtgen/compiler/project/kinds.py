@@ -8,13 +8,12 @@ from functools import cache
 from pathlib import Path
 
 from rtgen.compiler.kit import plugins
+from rtgen.compiler.kit.project_file import FILE_NAME
 from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.encodings import MARKS
 from rtgen.facts.files import is_file, read_start
 from rtgen.facts.idl_files import IDL_SUFFIXES
 from rtgen.facts.ros import INTERFACE_SUFFIXES, interface_beside
-
-FILE_NAME = "rtgen.toml"
 
 SUFFIXES = (*IDL_SUFFIXES, ".cdl", *DEVICE_SUFFIXES, *INTERFACE_SUFFIXES)
 """Suffixes of definitions, in lower case."""

@@ -13,9 +13,9 @@ from msgspec.structs import replace
 
 from rtgen.compiler.backends import Options
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Span
+from rtgen.compiler.kit.project_file import FILE_NAME, find
 from rtgen.compiler.lowering.settings import AdapterEntry, Settings
 from rtgen.compiler.project.kinds import (
-    FILE_NAME,
     SUFFIXES,
     is_definition,
     is_system,
@@ -24,7 +24,6 @@ from rtgen.compiler.project.kinds import (
 from rtgen.compiler.project.paths import (
     below,
     files,
-    find,
     normal,
     shown,
     shown_path,

@@ -6,20 +6,8 @@ import os
 from collections.abc import Iterable, Iterator
 from pathlib import Path
 
-from rtgen.compiler.project.kinds import FILE_NAME, is_definition, is_generated
-from rtgen.facts.files import in_order, is_file, is_folder, walk
-
-RENAME_JOURNAL = ".rtgen-rename.json"
-"""The file beside rtgen.toml that a rename has until it is complete."""
-
-
-def find(folder: Path) -> Path | None:
-    """Return the nearest rtgen.toml in the absolute folder or above it."""
-    for parent in (folder, *folder.parents):
-        file = parent / FILE_NAME
-        if is_file(file):
-            return file
-    return None
+from rtgen.compiler.project.kinds import is_definition, is_generated
+from rtgen.facts.files import in_order, is_folder, walk
 
 
 def shown_path(path: Path, folder: Path | None = None) -> Path:

@@ -8,8 +8,7 @@ import time
 from collections.abc import Callable, Iterator
 from pathlib import Path
 
-from rtgen.compiler.kit import plugins
-from rtgen.compiler.project import cache
+from rtgen.compiler.kit import plugins, stored_files
 from rtgen.facts import looks
 from rtgen.tools.kit import answers
 from rtgen.tools.kit.console import is_noted, noted_output
@@ -41,7 +40,7 @@ def answered(arguments: list[str], command: Callable[[], int]) -> int:
         circumstances = answers.in_full(called)
         data = answers.Answer(circumstances, looked, output, code).packed()
         if len(data) <= answers.MAX_BYTES:
-            cache.default().write(answers.name_of(called), data)
+            stored_files.write(stored_files.folder(), answers.name_of(called), data)
     return code
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 from pathlib import Path
 
 from rtgen.compiler.diagnostics import Diagnostic, ToolError
+from rtgen.compiler.kit.own_files import RENAME_JOURNAL
 from rtgen.compiler.project import shown
-from rtgen.compiler.project.paths import RENAME_JOURNAL
 from rtgen.compiler.project.rules import INTERRUPTED
 from rtgen.tools.renaming import journal
 

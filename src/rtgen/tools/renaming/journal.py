@@ -14,7 +14,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 
-from rtgen.compiler.project.paths import RENAME_JOURNAL
+from rtgen.compiler.kit.own_files import RENAME_JOURNAL
 from rtgen.facts.files import read_file, replace_file, write_atomically
 
 _MAX_BYTES = 256 * 1024 * 1024

@@ -1,5 +1,17 @@
 """Front end for EDS and DCF files (CiA 306): lines, sections, objects, PDOs."""
 
-from rtgen.compiler.frontends.eds.pipeline import load
+from typing import TYPE_CHECKING, Any
+
+if TYPE_CHECKING:
+    from rtgen.compiler.frontends.eds.pipeline import load
 
 __all__ = ["load"]
+
+
+def __getattr__(name: str) -> Any:
+    """Import the front end when it is first used: its rules do not need it."""
+    if name in __all__:
+        from rtgen.compiler.frontends.eds import pipeline
+
+        return getattr(pipeline, name)
+    raise AttributeError(name)
