@@ -57,9 +57,8 @@ test: $(VENV)/uv.stamp
 # commit (RTGEN_SEED=N sets another), the fast tests on a further interpreter with the coverage of lines,
 # and what a release consists of.
 nightly: export RTGEN_SEED ?= $(shell $(PYTHON) tests/seeds.py)
-nightly: $(VENV)/uv.stamp
-	$(MAKE) --no-print-directory -j 4 dear codecs interpreters
-	$(MAKE) --no-print-directory release
+nightly: $(VENV)/uv.stamp $(VENV)/release.stamp page
+	$(MAKE) --no-print-directory -j 4 dear codecs interpreters release
 
 CHECKED = src runtime speed reference examples tests benchmarks requirements editors hatch_build.py mkdocs_hooks.py ui/build.py
 
@@ -82,17 +81,18 @@ imports: $(VENV)/test.stamp
 drift: $(VENV)/test.stamp
 	$(BIN)/rtgen check
 
-# Each worker begins with a half of the files, so what tests of a file share is made once.
+# Each worker begins with a part of the files, so what tests of a file share is made once. There are more
+# workers than processors, since many tests wait for programs, browsers and peers.
 # Assertions that show their values take time to be compiled: only what fails has them.
 pytest: $(VENV)/test.stamp page peers speed
-	$(call PYTEST,build/pytest,-m "not waits and not nightly" $(FOLDER))
+	$(call PYTEST,build/pytest,-m "not waits and not nightly" $(FOLDER),3)
 
 # Tests that wait for clocks and processes most of their time, and need no processor meanwhile.
 waits: $(VENV)/test.stamp page peers
 	$(if $(WAITING),$(call PYTEST,build/pytest-waits,-m "waits and not nightly" $(WAITING)))
 
 dear: $(VENV)/test.stamp page peers speed
-	$(call PYTEST,build/pytest-nightly,-m "(nightly and not left_out) or random" $(FOLDER))
+	$(call PYTEST,build/pytest-nightly,-m "(nightly and not left_out) or random" $(FOLDER),3)
 
 # The tests of marshalling once more, with the codecs in C.
 codecs: export RTGEN_CODEC = c
@@ -111,7 +111,7 @@ FOLDER = tests$(if $(WING),/$(WING))
 WAITING = $(shell grep -rl --include='*.py' mark.waits $(FOLDER))
 
 define PYTEST
-$(BIN)/pytest -n 2 --dist worksteal --assert=plain -o cache_dir=$(1) $(2) || \
+$(BIN)/pytest -n $(or $(3),2) --dist worksteal --assert=plain -o cache_dir=$(1) $(2) || \
     { $(BIN)/pytest -q -o cache_dir=$(1) --last-failed --last-failed-no-failures none; exit 1; }
 endef
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import sys
+from io import BytesIO
 from pathlib import Path
 from typing import Any
 
@@ -40,7 +41,10 @@ def _compile(catalogue: Path) -> None:
     from babel.messages.mofile import write_mo
     from babel.messages.pofile import read_po
 
+    from rtgen.facts.files import write_atomically
+
     with catalogue.open("rb") as file:
         texts = read_po(file)
-    with catalogue.with_suffix(".mo").open("wb") as file:
-        write_mo(file, texts)
+    compiled = BytesIO()
+    write_mo(compiled, texts)
+    write_atomically(catalogue.with_suffix(".mo"), compiled.getvalue())

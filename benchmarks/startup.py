@@ -200,7 +200,8 @@ def main() -> None:
     ):
         folder = Path(temporary)
         measured = commands(folder)
-        for number in range(-1, chosen.rounds):  # the first creates cache and bytecode
+        # The first creates cache and bytecode.
+        for number in range(0 if chosen.smallest else -1, chosen.rounds):
             for name, each in measured.items():
                 environment = cold(folder) if name.startswith(COLD) else {}
                 if name == UNCOMPILED:
