@@ -10,8 +10,11 @@ written, `less` those reported to it as omitted.
 With `--browser` the built page is open in that browser, headless and without a GPU: its frames
 per second, of the wiring alone, while it is panned, and with a map that watches all ports, whose
 samples it draws. `empty` is a page with nothing but the loop that counts frames: what the browser
-and the load of the machine leave. `first view` is the time from the request of the page until all
-boxes and connections are in their places, of a browser that has no cache, with what it loads.
+and the load of the machine leave. The second table has the first view, by a browser that has no
+cache: from the request of the page until all boxes and connections are in their places. `browser`
+and `server` are the processor time of their processes, of the page's main thread `main`; unlike
+`view`, the load of the machine hardly changes them. `nothing` is an answer of the same server
+without a page. The least of several rounds.
 """
 
 from __future__ import annotations
@@ -38,8 +41,10 @@ from rtgen import runtime  # noqa: E402
 from rtgen.compiler.model import System, SystemComponent  # noqa: E402
 from rtgen.compiler.systems.timeline import Timeline  # noqa: E402
 from rtgen.runtime.rtc.profiles import ComponentProfile  # noqa: E402
+from rtgen.tools.kit.console import Console  # noqa: E402
 from rtgen.ui.buses import Describer  # noqa: E402
 from rtgen.ui.project import Known, Opened, RunWatcher  # noqa: E402
+from rtgen.ui.project_systems import CommandProject  # noqa: E402
 from rtgen.ui.protocol import ui  # noqa: E402
 from rtgen.ui.serving import Server  # noqa: E402
 from rtgen.ui.session import Session  # noqa: E402
@@ -230,12 +235,12 @@ _FRAMES = """(seconds) => {
         return [frames / ((before - begun) / 1000), longest];
     })();
 }"""
-_FIRST_VIEW = """(boxes) => {
+_FIRST_VIEW = """() => {
     window.first_view = new Promise((seen) => {
       const look = () => {
-        const wiring = document.querySelector(".wiring[aria-busy=false]");
-        if (wiring && wiring.querySelectorAll(".react-flow__node").length >= boxes
-            && wiring.querySelector(".react-flow__edge")) {
+        const wiring = document.querySelector(".wiring[aria-busy=false]:not(.unplaced)");
+        if (wiring?.querySelector(".react-flow__edge") || !document.querySelector("script")
+            && document.readyState === "complete") {
             seen(performance.now());
         } else requestAnimationFrame(look);
       };
@@ -309,15 +314,8 @@ def browse(program: str, seconds: float) -> dict[str, dict[str, Any]]:
         measured("empty", empty, wait)
         empty.close()
         page = browser.new_page(viewport=size, locale="en-US")
-        page.add_init_script(f"({_FIRST_VIEW})({COMPONENTS})")
-        loaded: list[int] = []
-        page.on(
-            "response",
-            lambda each: loaded.append(int(each.headers.get("content-length", 0))),
-        )
         page.goto(server.address(full=True))
-        view = page.evaluate("window.first_view")
-        print(f"first view: {view:.0f} ms, {sum(loaded) / 1000:.0f} kB")
+        page.locator(".wiring[aria-busy=false] .react-flow__edge").first.wait_for()
         for tab, title in (("Values", "wiring"), ("Map", "wiring, map of all ports")):
             page.get_by_role("tab", name=tab).click()
             page.wait_for_timeout(1000)
@@ -329,6 +327,79 @@ def browse(program: str, seconds: float) -> dict[str, dict[str, Any]]:
     return rows
 
 
+def _processor(browser: Any) -> float:
+    """Return the processor time of the processes that draw pages [s]."""
+    answer = browser.new_browser_cdp_session().send("SystemInfo.getProcessInfo")
+    processes = answer["processInfo"]
+    return float(sum(e["cpuTime"] for e in processes if e["type"] == "renderer"))
+
+
+def first_view(program: str, session: Session, path: str = "") -> dict[str, float]:
+    """Return what the first view of a page costs, or that of another path of the server."""
+    from playwright.sync_api import sync_playwright
+
+    server = Server(session, "127.0.0.1", 0)
+    ready = threading.Event()
+    serving = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
+    serving.start()
+    ready.wait()
+    address = f"http://127.0.0.1:{server.port}/{path}"
+    with sync_playwright() as driver:
+        browser = driver.chromium.launch(executable_path=program, args=["--no-sandbox"])
+        page = browser.new_page(viewport={"width": 1440, "height": 900}, locale="en-US")
+        page.add_init_script(f"({_FIRST_VIEW})()")
+        loaded: list[int] = []
+        page.on(
+            "response",
+            lambda each: loaded.append(int(each.headers.get("content-length", 0))),
+        )
+        devtools = page.context.new_cdp_session(page)
+        devtools.send("Performance.enable")
+        before, own = _processor(browser), time.process_time()
+        page.goto(address if path else server.address(full=True))
+        view = page.evaluate("window.first_view")
+        own = time.process_time() - own
+        metrics = devtools.send("Performance.getMetrics")["metrics"]
+        [main] = [each["value"] for each in metrics if each["name"] == "TaskDuration"]
+        spent = _processor(browser) - before
+        browser.close()
+    server.stop()
+    serving.join()
+    return {
+        "view [ms]": view,
+        "browser [ms]": 1000 * spent,
+        "main [ms]": 1000 * main,
+        "server [ms]": 1000 * own,
+        "requests": len(loaded),
+        "kB": sum(loaded) / 1000,
+    }
+
+
+def first_views(program: str, rounds: int) -> dict[str, dict[str, str]]:
+    """Return the first views of nothing, of a small and of a large system."""
+    goal = HERE.parent / "specs/navigation/rh3_goal.xml"
+
+    def small() -> Session:
+        project = CommandProject(Console("text", False, True), [str(goal)], None)
+        return Session(project, str(goal), runtime.SimulatedClock)
+
+    def large() -> Session:
+        return Session(Network(), "network", runtime.SimulatedClock)
+
+    kinds: dict[str, tuple[Callable[[], Session], str]] = {
+        "nothing": (large, "assets/none"),
+        "rh3_goal, 6 components": (small, ""),
+        "60 components, 200 connections": (large, ""),
+    }
+    rows = {}
+    for title, (session, path) in kinds.items():
+        found = [first_view(program, session(), path) for _ in range(rounds)]
+        rows[title] = {
+            name: f"{min(each[name] for each in found):.0f}" for name in found[0]
+        }
+    return rows
+
+
 def show(table: Table, rows: dict[str, dict[str, Any]]) -> None:
     """Fill a table with rows."""
     for title, row in rows.items():
@@ -337,7 +408,7 @@ def show(table: Table, rows: dict[str, dict[str, Any]]) -> None:
 
 def main() -> None:
     """Print a row for each combination of pages."""
-    parser = Arguments(__doc__, rounds=1)
+    parser = Arguments(__doc__, rounds=5)
     parser.add_argument("--seconds", type=float, default=10.0)
     parser.add_argument("--browser", metavar="CHROMIUM")
     chosen = parser.parse_args()
@@ -355,6 +426,10 @@ def main() -> None:
         columns = [(name, "s") for name in next(iter(found.values()))]
         name = "pages" if chosen.browser else "readers"
         show(results.table(name, "page", *columns), found)
+        if chosen.browser:
+            views = first_views(chosen.browser, chosen.rounds)
+            columns = [(name, "s") for name in next(iter(views.values()))]
+            show(results.table("first_views", "first view", *columns), views)
 
 
 if __name__ == "__main__":

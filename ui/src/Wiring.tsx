@@ -4,7 +4,7 @@ import { Background, BaseEdge, ControlButton, Controls, EdgeLabelRenderer, Handl
 import { Group, LayoutGrid, Map as MapIcon, Plus } from "lucide-react";
 import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowInstance } from "@xyflow/react";
 import type { CSSProperties, RefObject } from "react";
-import { memo, useCallback, useContext, useEffect, useLayoutEffect, useMemo, useRef, useState } from "react";
+import { memo, useCallback, useContext, useEffect, useLayoutEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 import { BusLine } from "./BusLine.tsx";
 import type { BusNode, Drop } from "./BusLine.tsx";
 import { Button } from "./kit/Button.tsx";
@@ -117,7 +117,6 @@ const nodeTypes = { component: ComponentBox, bus: BusLine, frame: GroupFrame };
 interface WireData extends Record<string, unknown> {
   route: readonly Point[] | undefined;
   type: string;
-  flow?: Flow | undefined;
   planned?: string;
 }
 
@@ -146,7 +145,11 @@ function WireLine({ id, data, selected, interactionWidth, ...ends }: EdgeProps<W
   const [stepped, x, y] = getSmoothStepPath(ends);
   const path = fits ? line(route!) : stepped;
   const at = fits ? middle(route!) : { x, y };
-  const flow = data?.flow;
+  // The counts change each second; only wires that show theirs are drawn anew.
+  const flow = useSyncExternalStore(store.subscribe, () => {
+    const found = store.page.flows.get(nameOf(id));
+    return found && (found.lost > 0n || over || selected) ? found : undefined;
+  });
   const lost = flow && flow.lost > 0n;
   const rate = flow && flow.rate >= 0 ? `${flow.rate.toFixed(flow.rate < 10 ? 1 : 0)}/s` : "";
   const said = data?.planned ?? [rate, lost ? t("{count} lost", { count: flow.lost }) : ""].filter(Boolean).join(", ");
@@ -183,6 +186,15 @@ const MAP = { width: 160, height: 110 };
 
 const edgeTypes = { wire: WireLine };
 const NONE: ReadonlySet<string> = new Set();
+/** Whether two objects have equal members, those of `data` and `position` as well: what is kept is not drawn anew. */
+function isSame(one: object, other: object): boolean {
+  const [a, b] = [one, other] as Record<string, unknown>[];
+  const names = Object.keys(b!);
+  return (
+    names.length === Object.keys(a!).length &&
+    names.every((name) => a![name] === b![name] || ((name === "data" || name === "position") && isSame(a![name] as object, b![name] as object)))
+  );
+}
 const UNPLACED: Wire[] = [];
 /** The name of a connection that the timeline will make, which no connection has. */
 const plannedName = (number: number): string => `\0${number}`;
@@ -215,7 +227,16 @@ const LABELS = {
 };
 
 /** Without the parts that change with time, so that the wiring is only redrawn when it changes. */
-export const Wiring = memo(function Wiring(props: {
+export const Wiring = memo(Graph, (before, after) =>
+  (Object.keys(after) as (keyof Given)[]).every(
+    (name) =>
+      before[name] === after[name] ||
+      // Counts of ticks change all the time, and are not shown here.
+      (name === "statistics" && after.components.every(({ instance }) => before.statistics.get(instance)?.overruns === after.statistics.get(instance)?.overruns)),
+  ),
+);
+
+interface Given {
   file: string;
   components: readonly Component[];
   connections: readonly Connection[];
@@ -231,7 +252,9 @@ export const Wiring = memo(function Wiring(props: {
   rename: (instance: string) => void;
   inspect: (subject: Subject | undefined) => void;
   add: () => void;
-}) {
+}
+
+function Graph(props: Given) {
   const { file, components, connections, buses, planned, flows, full, statistics, selected, select, open, rename, inspect, add } = props;
   const [nodes, setNodes, onNodesChange] = useNodesState<Shown>([]);
   const [arrangement, setArrangement] = useState<Arrangement & { shape: string }>();
@@ -302,7 +325,7 @@ export const Wiring = memo(function Wiring(props: {
       const boxes = components.map((component): Box => {
         const id = idOf(component.instance);
         const old = known.get(id) as Box | undefined;
-        return {
+        const next = {
           ...old,
           id,
           type: "component" as const,
@@ -310,7 +333,10 @@ export const Wiring = memo(function Wiring(props: {
           ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? t("does not answer") : stateOf(component)}`,
           data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits, joined: joined.get(component.instance) ?? NONE },
         };
+        return old && isSame(old, next) ? old : next;
       });
+      const isKept = places !== undefined && !lines.length && !places.frames.length && boxes.length === before.length && boxes.every((each, i) => each === before[i]);
+      if (isKept) return before;
       // The boxes are made while the layout looks for their places.
       if (!places) return boxes;
       const sizes = new Map(components.map((each) => [each.instance, size(each)]));
@@ -443,6 +469,7 @@ export const Wiring = memo(function Wiring(props: {
     };
   }, [places, connections, components, planned, arranged, arrangement]);
 
+  const drawn = useRef<ReadonlyMap<string, Wire>>(new Map());
   const edges = useMemo(() => {
     const known = byInstance(components);
     const typeAt = ({ instance, port }: PortAddress): string => {
@@ -455,7 +482,7 @@ export const Wiring = memo(function Wiring(props: {
       return {
         id: idOf(each.name),
         type: "wire",
-        data: { route: routes.get(each.name), type: typeAt(each.source), flow },
+        data: { route: routes.get(each.name), type: typeAt(each.source) },
         source: idOf(each.source.instance),
         sourceHandle: idOf(each.source.port),
         target: idOf(each.target.instance),
@@ -484,7 +511,12 @@ export const Wiring = memo(function Wiring(props: {
         deletable: false,
         focusable: false,
       }));
-    return [...later, ...now];
+    const found = [...later, ...now].map((each) => {
+      const old = drawn.current.get(each.id);
+      return old && isSame(old, each) ? old : each;
+    });
+    drawn.current = new Map(found.map((each) => [each.id, each]));
+    return found;
   }, [connections, components, planned, flows, picked, routes]);
 
   const begin = async (port: PortAddress) => {
@@ -670,4 +702,4 @@ export const Wiring = memo(function Wiring(props: {
       {misfit && <Purpose misfit={misfit} close={() => ask(undefined)} />}
     </section>
   );
-});
+}
