@@ -162,6 +162,18 @@ class OpenBus:
                 raise LinkError(f"{self._address}: {_reason(error)}") from error
         return events
 
+    @property
+    def descriptor(self) -> int | None:
+        """The descriptor that is readable when frames come; None if the interface has none."""
+        if self._hub is None and self._address.interface != "socketcan":
+            return None
+        return self.bus.fileno()
+
+    @property
+    def has_received(self) -> bool:
+        """Whether frames that were read are waiting."""
+        return self._hub is not None and self._hub.has_received
+
     def _event(self, message: can.Message) -> Event:
         if message.is_error_frame:
             return self.went_off(message)

@@ -1,4 +1,4 @@
-"""A link in real time: a python-can bus with threads for reception, transmission and timers."""
+"""A link in real time: a python-can bus with threads for reception and timers, and transmission."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ from contextlib import AbstractContextManager
 from queue import SimpleQueue
 from typing import Final
 
+from rtgen.runtime.canopen.bus.bell import Bell
 from rtgen.runtime.canopen.bus.link import Station
 from rtgen.runtime.canopen.bus.python_can import BusAddress, OpenBus, open_bus
 from rtgen.runtime.canopen.bus.shared_link import AttachedStation, SharedLink
@@ -35,9 +36,10 @@ _FIRST_DELAY, _MAX_DELAY = 0.1, 2.0
 class RealLink(SharedLink):
     """A process's link to a python-can bus, for all its stations.
 
-    Reception, transmission and timers have a thread each, because a bus may block anywhere;
-    stations are called in the thread with an event for them, with `lock` held. A lost bus is
-    reopened, with increasing delays. Time is the machine's monotonic clock.
+    Reception and transmission have a thread each, because a bus may block anywhere; timers are
+    called by the first one, or have their own while the bus is lost, and for buses without a
+    descriptor. Stations are called in the thread with an event for them, with `lock` held. A lost
+    bus is reopened, with increasing delays. Time is the machine's monotonic clock.
     """
 
     def __init__(
@@ -71,16 +73,20 @@ class RealLink(SharedLink):
         self._delivering = False
         self._failure: LinkError | None = None
         """Why the bus is unusable, as detected by the transmitting thread."""
-        self._threads = [
-            threading.Thread(target=run, name=f"rtgen {address} {what}", daemon=True)
-            for what, run in (
-                ("receive", self._receive),
-                ("transmit", self._transmit),
-                ("timers", self._watch_time),
-            )
-        ]
-        for thread in self._threads:
-            thread.start()
+        self._threads: tuple[threading.Thread, ...] = ()
+        self._bell = None if bus.descriptor is None else Bell(bus.descriptor)
+        """Wakes the thread that receives, if that calls timers, too."""
+        self._start("receive", self._receive)
+        self._start("transmit", self._transmit)
+        if self._bell is None:
+            self._start("timers", self._watch_time)
+
+    def _start(self, what: str, run: Callable[[], None]) -> threading.Thread:
+        name = f"rtgen {self.address} {what}"
+        thread = threading.Thread(target=run, name=name, daemon=True)
+        self._threads += (thread,)
+        thread.start()
+        return thread
 
     @property
     def lock(self) -> AbstractContextManager[object]:
@@ -137,7 +143,7 @@ class RealLink(SharedLink):
             return
         self._closing.set()
         self._outgoing.put(None)
-        self._alarm.set()
+        self._ring()
         if threading.current_thread() in self._threads:
             threading.Thread(target=self._end, name=f"rtgen {self.bus} end").start()
         else:
@@ -148,13 +154,15 @@ class RealLink(SharedLink):
             self.close()
 
     def _end(self) -> None:
-        receive, transmit, timers = self._threads
+        transmit = self._threads[1]
         transmit.join(_FLUSH_TIMEOUT)
         bus = self._bus
         if transmit.is_alive() and bus is not None:
             bus.interrupt()
-        for thread in (receive, transmit, timers):
+        for thread in self._threads:
             thread.join()
+        if self._bell is not None:
+            self._bell.close()
         if self._bus is not None:
             self._bus.close()
             self._bus = None
@@ -202,7 +210,15 @@ class RealLink(SharedLink):
             self._alarm_at is None or deadline < self._alarm_at
         ):
             self._alarm_at = deadline
-            self._alarm.set()
+            self._ring()
+
+    def _ring(self) -> None:
+        self._alarm.set()
+        if (
+            self._bell is not None
+            and threading.current_thread() is not self._threads[0]
+        ):
+            self._bell.ring()
 
     def _failed(self, attached: AttachedStation, error: Exception) -> None:
         log.error("%s: %r failed", self.bus, attached.station, exc_info=error)
@@ -228,7 +244,13 @@ class RealLink(SharedLink):
                 self._open_again(bus, error)
 
     def _receive_from(self, bus: OpenBus) -> None:
-        events = bus.receive_events(_POLL_INTERVAL, _BATCH)
+        seconds = _POLL_INTERVAL
+        if self._bell is not None:
+            seconds = 0.0
+            rest = self._call_timers()
+            if rest > 0 and not bus.has_received:
+                self._bell.wait(rest)
+        events = bus.receive_events(seconds, _BATCH)
         if self._failure is not None:
             raise self._failure
         if not events and not self._up and bus.has_returned:
@@ -261,6 +283,21 @@ class RealLink(SharedLink):
         log.warning("%s; it is tried again", error)
         self._turn_all(False)
         self._bus = None
+        if self._bell is None:
+            self._await_bus(bus)
+            return
+        self._bell.leave()
+        before = self._threads
+        timers = self._start("timers", self._watch_time)
+        self._await_bus(bus)
+        self._alarm.set()
+        timers.join()
+        self._threads = before
+        if self._bus is not None and self._bus.descriptor is not None:
+            self._bell.join(self._bus.descriptor)
+
+    def _await_bus(self, bus: OpenBus) -> None:
+        """Open a lost bus again, unless the link is closed before."""
         bus.interrupt()
         bus.close()
         pause = _FIRST_DELAY
@@ -302,6 +339,8 @@ class RealLink(SharedLink):
     def _watch_time(self) -> None:
         while self._enter():
             try:
+                if self._bell is not None and self._bus is not None:
+                    return  # it is open again
                 deadline = self._attached.deadline
                 now = self.now()
                 if deadline is not None and deadline <= now:
@@ -313,3 +352,21 @@ class RealLink(SharedLink):
             finally:
                 self._lock.release()
             self._alarm.wait(None if deadline is None else (deadline - now) / SECOND)
+
+    def _call_timers(self) -> float:
+        """Call the timers that are due; return the seconds until others are."""
+        if not self._enter():
+            return 0.0
+        try:
+            now = self.now()
+            deadline = self._attached.deadline
+            if deadline is not None and deadline <= now:
+                self._poll(now)
+                self._notice()
+                deadline = self._attached.deadline
+            self._alarm_at = deadline
+        finally:
+            self._lock.release()
+        if deadline is None:
+            return _POLL_INTERVAL
+        return min(_POLL_INTERVAL, (deadline - now) / SECOND)

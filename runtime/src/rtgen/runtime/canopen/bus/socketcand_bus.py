@@ -82,6 +82,15 @@ class SocketcandBus(can.BusABC):
             self._read(timeout)
         return self._received.popleft() if self._received else None
 
+    def fileno(self) -> int:
+        """Return the descriptor of the connection."""
+        return self._socket.fileno()
+
+    @property
+    def has_received(self) -> bool:
+        """Whether `receive` returns without reading."""
+        return bool(self._received)
+
     def transmit(self, frame: Frame) -> None:
         """Send a data frame; its text is written completely or not at all."""
         if frame.remote:
