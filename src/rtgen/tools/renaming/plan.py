@@ -136,17 +136,23 @@ def _planned(
     span = definitions.span_of(before.index, definition)
     with overlaid(contents):
         project = load()
-        old = _emitted(project, before)
+        files = dict(_users_files(project))
         edits = list(definitions.edits(before.index, keys, name))
         later = {**contents, **_contents(edits, project, contents)}
     with overlaid(later):
         new = _compiled(load())
+    # Without users of generated modules, nothing follows what is generated.
+    followed = bool(files or new.components.factories) or any(
+        artifact.owner is Owner.USER for artifact in new.artifacts
+    )
+    with overlaid(contents):
+        old = _emitted(project, before) if followed else new
     types = _renamed_types(old, new)
     further = _followed(before, types, keys)
     edits += further
     names = {**dict.fromkeys(keys, name), **_type_keys(before, types)}
     with overlaid(contents):
-        of_python = _python(project, before, old, new, names, is_whole=is_whole)
+        of_python = _python(project, before, old, new, names, files, is_whole=is_whole)
         edits += [edit for each in of_python.edits.values() for edit in each]
         result.doubts = of_python.doubts
         for edit in edits:
@@ -236,9 +242,12 @@ def _python(
     old: Compilation,
     new: Compilation,
     keys: Mapping[str, str],
+    files: Mapping[Path, str],
     *,
     is_whole: bool,
 ) -> python.PythonRename:
+    if not files:
+        return python.PythonRename()
     modules, others = Modules(), Modules()
     modules.add_artifacts(old.artifacts, project.skeleton_package)
     others.add_artifacts(new.artifacts, project.skeleton_package)
@@ -247,7 +256,7 @@ def _python(
         # Its behaviour is where rtgen.toml says, under a name of its own.
         module = old.components.factories.get(type_, "").partition(":")[0]
         names = {n: v for n, v in names.items() if not f"{n}.".startswith(f"{module}.")}
-    files = dict(_users_modules(project, modules))
+    _add_modules(project, files, modules)
     with tempfile.TemporaryDirectory(prefix="rtgen-") as folder:
         _write(Path(folder), old.artifacts)
         sources = python.Sources(
@@ -264,8 +273,8 @@ def _python(
         return python.renamed(sources)
 
 
-def _users_modules(project: Project, modules: Modules) -> Iterator[tuple[Path, str]]:
-    """Yield the modules of users with their texts, and add them to `modules`."""
+def _users_files(project: Project) -> Iterator[tuple[Path, str]]:
+    """Yield the modules of users with their texts."""
     folder = project.import_folders[1]
     places = {project.root, folder.parent, folder} if project.file else set[Path]()
     roots = [
@@ -277,14 +286,20 @@ def _users_modules(project: Project, modules: Modules) -> Iterator[tuple[Path, s
                 text = decode(read_file(path, MAX_BYTES), standard=True).normal
             except OSError:
                 continue
-            start = folder if path.is_relative_to(folder) else project.root
-            if path.is_relative_to(start):
-                parts = path.relative_to(start).with_suffix("").parts
-                is_package = parts[-1] == "__init__"
-                name = ".".join(parts[:-1] if is_package else parts)
-                if name:
-                    modules.add(name, text, is_package=is_package)
             yield path, text
+
+
+def _add_modules(project: Project, files: Mapping[Path, str], modules: Modules) -> None:
+    """Add the modules of users."""
+    folder = project.import_folders[1]
+    for path, text in files.items():
+        start = folder if path.is_relative_to(folder) else project.root
+        if path.is_relative_to(start):
+            parts = path.relative_to(start).with_suffix("").parts
+            is_package = parts[-1] == "__init__"
+            name = ".".join(parts[:-1] if is_package else parts)
+            if name:
+                modules.add(name, text, is_package=is_package)
 
 
 def _write(folder: Path, artifacts: Iterable[Artifact]) -> None:
