@@ -144,6 +144,7 @@ def test_each_view_is_japanese(
         page.get_by_role("button", name=texts(name), exact=True).first.click()
 
     for (file, component), views in VIEWS.items():
+        _open(page, "Wiring", texts, is_wide=width > 1000)
         if width < 600:
             press("More")
         page.get_by_role("combobox", name=texts("System")).select_option(file)
@@ -151,7 +152,6 @@ def test_each_view_is_japanese(
         if width < 600:
             look("[role=dialog]")
             page.keyboard.press("Escape")
-        _open(page, "Wiring", texts, is_wide=width > 1000)
         page.locator(".wiring[aria-busy=false] .react-flow__node").first.wait_for()
         press("Play")
         until(page, lambda: session.now > 1.0)
