@@ -230,6 +230,26 @@ OTHERS = (
     ),
     "Show this message and exit.",
     "default: {0}",
+    # Messages whose parts the sources join; golden cases show them.
+    "'{0}' is a constant, but a descriptor wants a signature",
+    "{0} is a call port, {1} an entry port",
+    "{0} cannot be final and mutable",
+    "there is a component {0} beside it",
+    "{0} has a line break, which rosidl cannot convert",
+    "{0} has {1} values, more than {2}",
+    "unknown kind of execution context {0}",
+    "the system {0}",
+    "'{0}' has a character that is not of Latin-1",
+    "IDL has no integer of the width of `{0}`",
+    "an attribute that can be set has no raises",
+    "{0} must be a pointer",
+    "the COB-ID is that of {0}",
+    "an attribute that is readonly has no setraises",
+    "{0} has {1} values; the array has {2}",
+    "the name of the file is not a string",
+    "{0} is the name of a type or module, too; the component is {1}",
+    "the system {0} has the folder `{1}` already",
+    "{0} is out of the range of {1}",
 )
 """Counts, whose nouns are inserted, and texts of libraries and systems."""
 

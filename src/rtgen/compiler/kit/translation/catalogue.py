@@ -29,11 +29,17 @@ _MAX_DEPTH = 4
 """Insertions that are messages themselves, such as reasons, are translated up to this depth."""
 _MOST_TEXT = 8000
 _QUOTE = "'"
-_SAID_OF = re.compile(r"(?P<subject>'[^']*') (?P<what>.+)", re.DOTALL)
-"""A quoted value, and what is said of it, which is a text of its own."""
+_SAID_OF = re.compile(
+    r"(?P<subject>'[^']*'|\"[^\"]*\"|\[[^]]*\]|\S+) (?P<what>.+)", re.DOTALL
+)
+"""A value, and what is said of it, which is a text of its own."""
 _FEW = 16
 """Templates with fewer characters, such as `{0} is {1}`, are in many texts of another meaning."""
-_PROSE = re.compile(r"\b[a-z]{2,} [a-z]{2,}\b")
+_PROSE = re.compile(
+    r"\b[a-z]{2,} [a-z]{2,}\b"
+    r"|\b(?:the|not|is|are|its?|which|this|that|them)\b"
+    r"|(?:^| )(?:a|an|of|out|and|has|with) | (?:a|an|of|out|and|has|with|too)$"
+)
 _QUOTED = re.compile(r"'[^']*'|`[^`]*`|\"[^\"]*\"")
 
 
@@ -124,7 +130,7 @@ class Catalogue:
             values = template.values(text)
             if values is None:
                 continue
-            inner = [self._translated(value, depth - 1) for value in values]
+            inner = [self._whole(value, depth - 1) for value in values]
             found = [
                 each or _Translation(value, is_whole=not _is_prose(value))
                 for value, each in zip(values, inner, strict=True)
@@ -137,9 +143,14 @@ class Catalogue:
                 mixed = _Translation(shown, is_whole=False)
         if mixed is None and (said := _SAID_OF.fullmatch(text)):
             what = self._translated(said["what"], depth - 1)
-            if what is not None:
+            if what is not None and (what.is_whole or said["subject"][0] == _QUOTE):
                 return what._replace(text=f"{said['subject']} {what.text}")
         return mixed
+
+    def _whole(self, text: str, depth: int) -> _Translation | None:
+        """Return the translation of an insertion; half of one would not be understood."""
+        found = self._translated(text, depth)
+        return found if found is not None and found.is_whole else None
 
 
 class _Translation(NamedTuple):
