@@ -157,7 +157,6 @@ export function App() {
           planned={planned}
           flows={page.flows}
           full={full}
-          statistics={page.statistics}
           selected={selected}
           select={select}
           open={open}

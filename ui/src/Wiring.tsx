@@ -20,7 +20,6 @@ import { Taken, isClear, route } from "./routes.ts";
 import type { Bus, Component, Connection, Fit, Flow, PlannedEvent, Port, PortAddress } from "./protocol/Ui.ts";
 import type { Misfit } from "./Purpose.tsx";
 import { Purpose } from "./Purpose.tsx";
-import type { Statistics } from "./store.ts";
 import { stateClass, stateOf, store } from "./store.ts";
 import { t } from "./texts.ts";
 import type { View } from "./views.ts";
@@ -28,7 +27,6 @@ import { ROOM, useWidth } from "./width.ts";
 
 interface BoxData extends Record<string, unknown> {
   component: Component;
-  overruns: bigint;
   fits: ReadonlyMap<string, Fit> | undefined;
   /** The names of the ports with connections. */
   joined: ReadonlySet<string>;
@@ -76,8 +74,14 @@ function PortRow({ component, port, fits, isOpen }: { component: Component; port
   );
 }
 
+/** The overruns of a component, which change while nothing else of its box does. */
+function Late({ instance }: { instance: string }) {
+  const overruns = useSyncExternalStore(store.subscribe, () => store.page.statistics.get(instance)?.overruns ?? 0n);
+  return overruns > 0n && <span className="late">{` ${t("{count} overruns", { count: overruns })}`}</span>;
+}
+
 function ComponentBox({ data, selected }: NodeProps<Box>) {
-  const { component, overruns, fits, joined } = data;
+  const { component, fits, joined } = data;
   const of = (kind: Port["kind"]) =>
     component.ports
       .filter((port) => port.kind === kind)
@@ -89,7 +93,7 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
         <strong>{title(component)}</strong>
         <small>
           {component.silent ? t("does not answer") : stateOf(component)} {rates}
-          {overruns > 0n && <span className="late">{` ${t("{count} overruns", { count: overruns })}`}</span>}
+          <Late instance={component.instance} />
         </small>
       </div>
       <div className="ports">
@@ -227,16 +231,7 @@ const LABELS = {
 };
 
 /** Without the parts that change with time, so that the wiring is only redrawn when it changes. */
-export const Wiring = memo(Graph, (before, after) =>
-  (Object.keys(after) as (keyof Given)[]).every(
-    (name) =>
-      before[name] === after[name] ||
-      // Counts of ticks change all the time, and are not shown here.
-      (name === "statistics" && after.components.every(({ instance }) => before.statistics.get(instance)?.overruns === after.statistics.get(instance)?.overruns)),
-  ),
-);
-
-interface Given {
+export const Wiring = memo(function Wiring(props: {
   file: string;
   components: readonly Component[];
   connections: readonly Connection[];
@@ -245,17 +240,14 @@ interface Given {
   planned: readonly PlannedEvent[];
   flows: ReadonlyMap<string, Flow>;
   full: boolean;
-  statistics: ReadonlyMap<string, Statistics>;
   selected: string;
   select: (instance: string) => void;
   open: (view: View) => void;
   rename: (instance: string) => void;
   inspect: (subject: Subject | undefined) => void;
   add: () => void;
-}
-
-function Graph(props: Given) {
-  const { file, components, connections, buses, planned, flows, full, statistics, selected, select, open, rename, inspect, add } = props;
+}) {
+  const { file, components, connections, buses, planned, flows, full, selected, select, open, rename, inspect, add } = props;
   const [nodes, setNodes, onNodesChange] = useNodesState<Shown>([]);
   const [arrangement, setArrangement] = useState<Arrangement & { shape: string }>();
   const [arranged, setArranged] = useState(() => sessionStorage.getItem(ARRANGED) !== "no");
@@ -331,7 +323,7 @@ function Graph(props: Given) {
           type: "component" as const,
           position: old?.dragging ? old.position : (steered.current.get(id) ?? places?.of.get(component.instance) ?? { x: 0, y: 0 }),
           ariaLabel: `${component.instance}, ${component.type}, ${component.silent ? t("does not answer") : stateOf(component)}`,
-          data: { component, overruns: statistics.get(component.instance)?.overruns ?? 0n, fits, joined: joined.get(component.instance) ?? NONE },
+          data: { component, fits, joined: joined.get(component.instance) ?? NONE },
         };
         return old && isSame(old, next) ? old : next;
       });
@@ -391,7 +383,7 @@ function Graph(props: Given) {
       );
       return [...groups, ...boxes, ...buses];
     });
-  }, [components, places, lines, statistics, fits, joined, selected, setNodes]);
+  }, [components, places, lines, fits, joined, selected, setNodes]);
 
   // React Flow calls each new function with what is selected, as if it had just been selected.
   const onSelectionChange = useCallback(({ nodes: chosen }: { nodes: Shown[] }) => chosen[0] && select(nameOf(chosen[0].id)), [select]);
@@ -702,4 +694,4 @@ function Graph(props: Given) {
       {misfit && <Purpose misfit={misfit} close={() => ask(undefined)} />}
     </section>
   );
-}
+});
