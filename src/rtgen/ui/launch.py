@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import asyncio
+import os
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
 from dataclasses import dataclass
@@ -235,7 +236,10 @@ def _chosen_run(wanted: str, console: Console) -> Path:
     from rtgen.ui.attaching import chosen
 
     if not local_runs.is_supported():
-        raise ToolError("--attach needs Unix sockets, which this system has not")
+        raise ToolError(
+            "--attach works on Linux and macOS: this system has no sockets of one user",
+            hint="`--transport zenoh` and `--transport dds` show a run on any system",
+        )
     try:
         runs = local_runs.runs()
     except OSError as error:
@@ -246,8 +250,13 @@ def _chosen_run(wanted: str, console: Console) -> Path:
     ]
     if not fitting:
         known = "".join(f"\n  {each}" for each in listed)
+        of_others = wanted.isdecimal() and _is_of_another_user(int(wanted))
         raise ToolError(
-            f"no run {wanted!r}; these run:{known}" if runs else "nothing runs",
+            (
+                f"process {wanted} belongs to another user, who alone can attach to it"
+                if of_others
+                else f"no run {wanted!r}; these run:{known}" if runs else "nothing runs"
+            ),
             hint="`rtgen run SYSTEM` starts a run, of the same user on this machine",
         )
     if len(fitting) == 1:
@@ -257,6 +266,16 @@ def _chosen_run(wanted: str, console: Console) -> Path:
         known = "".join(f"\n  {each}" for each in listed)
         raise Refusal(f"several runs; --attach PID chooses one:{known}")
     return fitting[number][0]
+
+
+def _is_of_another_user(process: int) -> bool:
+    try:
+        os.kill(process, 0)
+    except PermissionError:
+        return True
+    except (OSError, OverflowError):
+        pass
+    return False
 
 
 def _watching(

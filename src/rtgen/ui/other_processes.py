@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import threading
+from collections import deque
 from collections.abc import Iterable, Iterator, Mapping
 from functools import partial
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
 
 from rtgen.facts.openrtm_ports import KIND
+from rtgen.runtime.distribution.local_link import LEFT_OUT
 from rtgen.runtime.distribution.local_runs import Changed, Noted, OnBoard, OnBus
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.member_units import MemberUnits
@@ -25,6 +28,12 @@ if TYPE_CHECKING:
     from rtgen.ui.session_view import SessionView
 
 
+_MAX_EVENTS: Final = 2000
+"""Maximum number of frames, calls and notices of a run that wait; further ones are left out."""
+_AT_ONCE: Final = 50
+"""Number of them between other requests."""
+
+
 class OtherProcesses:
     """The last state that the watcher has told, and its changes for pages.
 
@@ -36,6 +45,10 @@ class OtherProcesses:
         self.state = RemoteState()
         self.watcher: Watcher | None = None
         self._codecs: dict[str, Codec | None] = {}
+        self._events: deque[Event] = deque()
+        """Those that wait for the session's thread."""
+        self._lock = threading.Lock()
+        self._is_processing = self._left_out = self._told_left_out = False
 
     def follow(self, attach: Attach) -> None:
         """Begin to watch."""
@@ -108,7 +121,37 @@ class OtherProcesses:
         return self._codecs[communication]
 
     def _take_event(self, event: Event) -> None:
-        self._session.runner.submit(partial(self._happened, event))
+        """Process an event soon; of those that come too fast, changes of state alone."""
+        runner = self._session.runner
+        if isinstance(event, Changed):
+            runner.submit(partial(self._happened, event))
+            return
+        with self._lock:
+            if len(self._events) >= _MAX_EVENTS:
+                self._left_out = True
+                return
+            self._events.append(event)
+            if self._is_processing:
+                return
+            self._is_processing = True
+        runner.submit(self._process)
+
+    def _process(self) -> None:
+        """Process some of the events that wait, between other requests."""
+        if self._left_out and not self._told_left_out:
+            self._told_left_out = True
+            self._session.notice("lost", "", LEFT_OUT)
+        with self._lock:
+            number = min(_AT_ONCE, len(self._events))
+            events = [self._events.popleft() for _ in range(number)]
+        try:
+            for event in events:
+                self._happened(event)
+        finally:
+            with self._lock:
+                waits = self._is_processing = bool(self._events)
+            if waits:
+                self._session.runner.submit(self._process)
 
     def _happened(self, event: Event) -> None:
         session, time = self._session, event.time / SECOND

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import socket
 import tempfile
 import threading
@@ -19,6 +20,7 @@ from ui_bench import QUIET
 from refrobots.rtc import Time, TimedDouble, TimedOctetSeq
 from rtgen import runtime
 from rtgen.cli import run as rtgen
+from rtgen.facts.version import __version__
 from rtgen.runtime import xcdr
 from rtgen.runtime.distribution import local_runs
 from rtgen.runtime.distribution.local_link import LocalLink
@@ -26,6 +28,7 @@ from rtgen.runtime.distribution.local_listener import ServedRun
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.return_codes import ReturnCode_t
 from rtgen.runtime.services.transports import RemotePort
+from rtgen.runtime.timing.traffic import BoardCall, BusFrame
 from rtgen.ui.attaching import RunLink, chosen
 from rtgen.ui.peers_watcher import PeersWatcher
 from rtgen.ui.protocol import ui
@@ -372,3 +375,110 @@ def test_a_socket_is_there_when_somebody_listens(
     assert before == []
     assert [path for path, _ in local_runs.runs()] == [run.path]
     assert [*folder.iterdir()] == [run.path]
+
+
+def test_a_run_of_another_version_is_listed_and_refused(
+    begin: Begin, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with monkeypatch.context() as patched:
+        patched.setattr(local_runs, "MESSAGES", local_runs.MESSAGES + 1)
+        run = begin("later")
+    assert [hello.name for _, hello in local_runs.runs()] == ["later"]
+    with pytest.raises(OSError, match="start both with the same one"):
+        LocalLink(run.path)
+    assert rtgen(["ui", "--attach", "later", "--no-open"]) != 0
+    error = capsys.readouterr().err
+    assert f"process {os.getpid()} runs later by rtgen {__version__}" in error
+    assert "Traceback" not in error
+
+
+def test_a_page_says_that_the_next_run_is_of_another_version(
+    page: Watching, run: Running, begin: Begin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run.end()
+    page.until(lambda: page.session.time().ended)
+    with monkeypatch.context() as patched:
+        patched.setattr(local_runs, "MESSAGES", local_runs.MESSAGES + 1)
+        later = begin("demo")
+    page.until(lambda: "cannot attach" in page.session.time().reason)
+    later.end()
+    begin("demo")
+    page.until(lambda: not page.session.time().ended)
+
+
+def test_what_greets_in_another_way_is_no_run(folder: Path) -> None:
+    listening = socket.socket(socket.AF_UNIX)
+    listening.bind(str(folder / f"1{local_runs.SUFFIX}"))
+    listening.listen()
+
+    def greet() -> None:
+        stream, _ = listening.accept()
+        stream.sendall(b"\0\0\0\3\xa2hi")
+        stream.close()
+
+    greeting = threading.Thread(target=greet)
+    greeting.start()
+    assert local_runs.runs() == []
+    greeting.join()
+    listening.close()
+
+
+def test_a_process_of_another_user_is_told(
+    begin: Begin, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    begin("one")
+
+    def kill(process: int, signal: int) -> None:
+        raise PermissionError if process == 17 else ProcessLookupError
+
+    monkeypatch.setattr(os, "kill", kill)
+    for process, text in (
+        ("17", "process 17 belongs to another user"),
+        ("18", "no run '18'"),
+    ):
+        assert rtgen(["ui", "--attach", process, "--no-open"]) != 0
+        assert text in capsys.readouterr().err
+
+
+def test_a_system_without_such_sockets_is_told(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr(local_runs, "is_supported", lambda: False)
+    assert rtgen(["ui", "--attach", "--no-open"]) != 0
+    error = capsys.readouterr().err
+    assert "--attach works on Linux and macOS" in error
+    assert "--transport zenoh" in error
+
+
+def test_a_page_survives_a_flood_and_says_so(page: Watching, run: Running) -> None:
+    """The run waits for nobody, and states and commands come through."""
+    frame = BusFrame("can0", 0x181, bytes(8), remote=False, extended=False)
+    flooding = threading.Event()
+
+    def flood() -> None:
+        while not flooding.wait(0.001):
+            for _ in range(100):
+                run.system.clock.traffic.report(frame)
+
+    thread = threading.Thread(target=flood)
+    thread.start()
+    try:
+        page.until(lambda: "lost " in page.notices)
+        page.done("activated", ["Counting0"])
+        page.until(lambda: page.state("Counting0") is ui.State.STATE_ACTIVE)
+        begun = run.system.time
+        page.until(lambda: run.system.time > begun)
+    finally:
+        flooding.set()
+        thread.join()
+    assert page.frames
+    page.until(lambda: page.buses.keys() == {"can0"})
+
+
+def test_what_happens_is_told(page: Watching, run: Running) -> None:
+    run.served.tell("call", "Source0", "Source0.port.start() -> 1")
+    page.until(lambda: "call Source0" in page.notices)
+    run.system.clock.traffic.report(BoardCall("Board0", b"ab", b"cd", "", 1_000_000))
+    call = page.until(lambda: page.calls and page.calls[0])
+    assert (call.instance, call.request, call.reply) == ("Board0", b"ab", b"cd")
+    assert call.round_trip == 0.001

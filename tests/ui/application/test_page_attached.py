@@ -7,12 +7,14 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from attached_program import attached, running
 from page_flaws import violations
 from test_attached import Project
 from test_attached_runs import Running
-from ui_bench import QUIET, WIDE, opened, serving
+from ui_bench import GOAL, QUIET, ROOT, WIDE, opened, serving
 
 from rtgen import runtime
+from rtgen.cli import run as rtgen
 from rtgen.runtime.distribution import local_runs
 from rtgen.ui.attaching import RunLink
 from rtgen.ui.peers_watcher import PeersWatcher
@@ -56,3 +58,59 @@ def test_a_run_is_controlled_to_its_end_and_beyond(
             page.get_by_role("menuitem", name="Activate", exact=True).press("Enter")
             box.get_by_text("ACTIVE 100 Hz", exact=False).wait_for()
         second.end()
+
+
+def test_its_bus_is_shown_and_commanded(
+    browser: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    system = ROOT / "specs/canopen/fourx.xml"
+    buses = {"": ROOT / "specs/canopen/fourx.toml"}
+    with tempfile.TemporaryDirectory(prefix="rtgen") as folder:
+        monkeypatch.setenv(local_runs.FOLDER, str(Path(folder)))
+        with (
+            running(str(system), "--clock", "sim", "--rate", "1", "-q") as program,
+            attached(program.path, buses=buses) as session,
+            serving(Server(session, "127.0.0.1", 0)) as server,
+            opened(browser, server.address(full=True), WIDE) as page,
+        ):
+            page.locator(".react-flow__node").first.wait_for()
+            overview = page.get_by_role("region", name="Buses")
+            overview.get_by_text("5 nodes").wait_for()
+            page.keyboard.press("Control+k")
+            page.get_by_placeholder("Command, component").fill("View Bus")
+            page.keyboard.press("Enter")
+            page.get_by_text("heartbeat").first.wait_for()
+            page.get_by_text("operational").first.wait_for()
+            assert violations(page) == []
+
+
+def test_latencies_and_a_recording_beside_it(
+    browser: Any, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+) -> None:
+    file = tmp_path / "slow.mcap"
+    assert rtgen(["run", str(GOAL), "--until", "1", "--record", str(file), "-q"]) == 0
+    monkeypatch.chdir(tmp_path)
+    with tempfile.TemporaryDirectory(prefix="rtgen") as folder:
+        monkeypatch.setenv(local_runs.FOLDER, str(Path(folder)))
+        with (
+            running(str(GOAL), "--clock", "sim", "--rate", "0.5", "-q") as program,
+            attached(program.path) as session,
+            serving(Server(session, "127.0.0.1", 0)) as server,
+            opened(browser, server.address(full=True), WIDE) as page,
+        ):
+            page.locator(".react-flow__node").first.wait_for()
+            latency = page.get_by_role("region", name="Latency")
+            latency.get_by_text("median").first.wait_for()
+            latency.get_by_role("button").first.click()
+            page.get_by_role("row", name="latency").first.wait_for()
+            assert violations(page) == []
+            compare = page.get_by_role("button", name="Compare with a recording")
+            compare.press("Enter")
+            page.get_by_role("menuitem", name="slow.mcap").press("Enter")
+            page.get_by_role("button", name="Beside: slow.mcap").wait_for()
+            page.keyboard.press("Escape")  # the tip of the button with the focus
+            page.get_by_role("tooltip").wait_for(state="detached")
+            assert violations(page) == []
+            compare.click()
+            page.get_by_role("menuitem", name="Compare with nothing").click()
+            page.get_by_role("button", name="Keep beside").wait_for()

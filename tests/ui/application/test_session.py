@@ -14,6 +14,7 @@ from rtgen.cli import run as rtgen
 from rtgen.compiler.systems.reading import read_file
 from rtgen.runtime import ACTIVE_STATE, INACTIVE_STATE, RealClock, xcdr
 from rtgen.ui.bus_description import BusDescriber
+from rtgen.ui.flows import Chains
 from rtgen.ui.outbox import MAX_CHANGES, MAX_SAMPLES
 from rtgen.ui.protocol import ui
 from rtgen.ui.recorded import Recorded
@@ -479,3 +480,25 @@ def test_a_run_is_the_same_with_and_without_a_page(tmp_path: Path) -> None:
     assert without == with_page
     assert without["PathFollower0.velocity"]
     assert "RefHardRh30.PlantPose" not in without
+
+
+def test_chains_are_measured_anew_when_connections_change(
+    bench: Bench, page: Page
+) -> None:
+    chains = Chains(bench.session.system)
+    chains.changed()
+    page.done("step", 2.0)
+    assert chains.changed()
+    before = {each.name for each in chains.latest if each.samples}
+    assert any(
+        0.0 <= each.least <= each.median <= each.greatest < 1.0
+        for each in chains.latest
+        if each.samples
+    )
+    page.done("connection", VELOCITY)
+    chains.changed()
+    page.done("step", 2.0)
+    chains.changed()
+    after = {each.name for each in chains.latest}
+    assert before - after
+    assert any(each.samples for each in chains.latest)
