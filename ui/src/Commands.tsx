@@ -41,7 +41,7 @@ export function Commands({ system, full, component, close, select, open, arrange
       }}
     >
       <span>{name}</span>
-      <small>{more}</small>
+      <small title={more}>{more}</small>
       {keys && <kbd>{keys}</kbd>}
     </Command.Item>
   );

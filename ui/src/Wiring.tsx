@@ -89,7 +89,7 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
   const rates = component.contexts.map((each) => `${each.rate} Hz`).join(", ");
   return (
     <div className={`box ${stateClass(component)} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: width(component) }}>
-      <div className="head" title={[component.place && component.instance, component.type, component.doc, component.silent || component.reason].filter(Boolean).join("\n")}>
+      <div className="head" title={[component.instance, component.type, component.doc, component.silent || component.reason].filter(Boolean).join("\n")}>
         <strong>{title(component)}</strong>
         <small>
           {component.silent ? t("does not answer") : stateOf(component)} {rates}
