@@ -42,7 +42,6 @@ _TEXTS: Final[dict[type, tuple[str, ...]]] = {
     ui.Component: ("reason", "silent"),
     ui.EditState: ("undo", "redo"),
     ui.Fit: ("refused",),
-    ui.Flow: ("details",),
     ui.NamingService: ("silent",),
     ui.Notice: ("text",),
     ui.Operation: ("refused",),
@@ -74,6 +73,9 @@ def _in_language(value: Any, language: str) -> Any:
             return [_in_language(each, language) for each in value]
         case ui.Result() if value.done and value.reply:
             return value  # its text is a value
+        case ui.Flow():
+            parts = (_translated(each, language) for each in value.details.split(", "))
+            return msgspec.structs.replace(value, details="、".join(parts))
         case msgspec.Struct():
             texts = _TEXTS.get(type(value), ())
             changed = {}
@@ -97,7 +99,7 @@ def _translated(text: str, language: str) -> str:
 
     texts = catalogue(language, SERVER)
     found = texts.translated(text)
-    for separator in ("\n", "; ", ", ", ": "):
+    for separator in ("\n", "; ", ": "):
         if found == text and separator in text:
             found = separator.join(map(texts.translated, text.split(separator)))
     return found

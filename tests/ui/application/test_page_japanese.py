@@ -13,8 +13,10 @@ from ui_bench import QUIET, ROOT, WIDE, opened, until
 from rtgen.compiler.kit.translation.catalogue import texts_of_page
 from rtgen.runtime import SimulatedClock
 from rtgen.ui.project_systems import CommandProject
+from rtgen.ui.protocol import ui
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
+from rtgen.ui.texts import in_language
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
 RH3 = str(ROOT / "specs/navigation/rh3_goal.xml")
@@ -192,6 +194,20 @@ def _open(page: Any, view: str, texts: Callable[[str], str], *, is_wide: bool) -
         bar.get_by_role("button", name=texts("More"), exact=True).click()
         chosen = page.get_by_role("dialog")
         chosen.get_by_role("button", name=name, exact=True).click()
+
+
+def test_texts_of_messages_are_translated_and_names_stay() -> None:
+    details = "12 overwritten in a full buffer, 3 refused by a full buffer"
+    flow = ui.Flow(name="move it", rate=1.0, lost=15, details=details)
+    event = in_language(ui.Event.of_flows([flow]), "ja")
+    [shown] = event.flows
+    assert shown.name == "move it"
+    assert shown.details == "満杯のバッファで上書き 12、満杯のバッファが拒否 3"
+    value = ui.Result(request=1, done=True, text="undo", reply=b"\1")
+    assert in_language(ui.Event.of_outcome(value), "ja").outcome.text == "undo"
+    refused = ui.Result(request=1, done=False, message="Odometry0 has no port 'move'")
+    outcome = in_language(ui.Event.of_outcome(refused), "ja").outcome
+    assert outcome.message == "Odometry0 にポート 'move' はない"
 
 
 def test_the_page_is_in_the_language_of_its_server(
