@@ -169,24 +169,33 @@ class _Samples(deque[Any]):
         next_origin: Any,
         now: Callable[[], int],
         only: _Samples | None = None,
+        begins: bool = False,
     ) -> None:
         """Keep the origins from now on; `chains` end here.
 
-        `only` has the next origin, if it is always that of its last sample.
+        `only` has the next origin, if it is always that of its last sample; `begins`: all chains
+        begin here. Both spare a call for each sample.
         """
         end = _end_of(chains, now) if chains else None
         add, add_origin = super().append, self._origins.append
         take, take_origin = super().popleft, self._origins.popleft
 
-        if only is None:
-
-            def append(sample: Any) -> None:
-                add_origin(next_origin())
-                add(sample)
-        else:
+        if only is not None:
 
             def append(sample: Any) -> None:
                 add_origin(only.origin)
+                add(sample)
+
+        elif begins:
+
+            def append(sample: Any) -> None:
+                add_origin(_Write(now()))
+                add(sample)
+
+        else:
+
+            def append(sample: Any) -> None:
+                add_origin(next_origin())
                 add(sample)
 
         def drop() -> None:
@@ -275,7 +284,8 @@ def _measure(way: _Way, chains: Sequence[_Chain], now: Callable[[], int]) -> Non
         next_origin = lambda: waiting.origin  # noqa: E731
     direct = publisher is None and len(way.inputs) == 1 and not way.is_first
     only = way.inputs[0].samples if direct else None
-    way.samples.measure(chains, next_origin, now, only)
+    begins = publisher is None and not way.inputs
+    way.samples.measure(chains, next_origin, now, only, begins)
     way.samples.replace(way.connector.buffer)
 
 
