@@ -70,7 +70,9 @@ SHOWN_ONLY = frozenset(
     }
 )
 _COMMENT = re.compile(r"<!-- page: (.*?) -->", re.DOTALL)
-_VARYING = re.compile(r"^(wall \[s\]|ratio)( +)[\d.]+$", re.MULTILINE)
+_VARYING = re.compile(
+    r"^(wall \[s\]|ratio|実際の時間 \[s\]|比)( +)[\d.]+$", re.MULTILINE
+)
 _REPOSITORY = (
     *("specs", "generated", "reference/refnav", "benchmarks"),
     *("rtgen.toml", "Makefile", "examples"),
@@ -170,6 +172,7 @@ class Runner:
 
     folder: Path
     clone: Path | None = None
+    locale: str | None = None
     _place: Path | None = None
     _places: int = 0
     _file: str | None = None
@@ -337,6 +340,8 @@ class Runner:
         if "CAN_INTERFACE" in self._set:
             bus = {"host": "127.0.0.1", "port": self._port(_HUB), "tcp_tune": True}
             settings["CAN_CONFIG"] = json.dumps(bus)
+        if self.locale is not None:
+            settings |= {"LC_ALL": "", "LC_MESSAGES": self.locale}
         return {**os.environ, **settings, **self._set}
 
     def _in_shell(self, text: str, here: Path) -> tuple[int, str]:

@@ -10,7 +10,7 @@ from collections.abc import Sequence
 import click
 
 from rtgen.cli.groups import SectionedGroup
-from rtgen.cli.help import HELP, LANGUAGE, language_of
+from rtgen.cli.help import HELP, language_of
 from rtgen.compiler.kit import translation
 from rtgen.facts.version import __version__
 from rtgen.tools.kit.exits import BAD_INPUT, Refusal
@@ -58,7 +58,6 @@ COMMANDS = {n: text for section in SECTIONS.values() for n, text in section.item
     hidden=frozenset({"adopt"}),
     context_settings=HELP,
 )
-@LANGUAGE
 @click.version_option(__version__, prog_name="rtgen", message="%(prog)s %(version)s")
 def application() -> None:
     """An interface compiler for robot software, from definitions to running code."""

@@ -10,7 +10,12 @@ import click
 
 from rtgen.cli.examples import EXAMPLES
 from rtgen.cli.formatting import Context
-from rtgen.cli.help import write_description, write_example, write_usage
+from rtgen.cli.help import (
+    language_option,
+    write_description,
+    write_example,
+    write_usage,
+)
 from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import columns, padded
 
@@ -45,6 +50,7 @@ class LazyGroup(click.Group):
         **kwargs: Any,
     ) -> None:
         super().__init__(*args, **kwargs)
+        self.params.append(language_option())
         self.summaries = summaries
         self._target = target
         self._elsewhere = elsewhere or {}

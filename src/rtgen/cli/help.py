@@ -28,13 +28,18 @@ MESSAGES = "Messages"
 """The title of the options that all commands have."""
 
 
-LANGUAGE = click.option(
-    "--language",
-    type=click.Choice(LANGUAGES),
-    metavar="NAME",
-    expose_value=False,
-    hidden=True,
-)
+def language_option() -> click.Option:
+    """Return the option for the language, which `language_of` reads, for a group of commands."""
+    return click.Option(["--language"], **_LANGUAGE)
+
+
+_LANGUAGE: Final[dict[str, Any]] = {
+    "type": click.Choice(LANGUAGES),
+    "metavar": "NAME",
+    "expose_value": False,
+    "hidden": True,
+}
+LANGUAGE = click.option("--language", **_LANGUAGE)
 """The option for the language, of the program and of each command; the program's help names it.
 
 Its value is read before all others, by `language_of`: help and errors do not wait for it.

@@ -242,6 +242,8 @@ OTHERS = (
     "'{0}' has a character that is not of Latin-1",
     "IDL has no integer of the width of `{0}`",
     "an attribute that can be set has no raises",
+    "skeletons created: {0}",
+    "not rtgen's: {0}",
     "{0} must be a pointer",
     "the COB-ID is that of {0}",
     "an attribute that is readonly has no setraises",
@@ -282,7 +284,7 @@ def help_texts() -> set[str]:
         paragraphs_ = inspect.cleandoc(command.help or "").split("\n\n")
         texts |= {plain(" ".join(part.split())) for part in paragraphs_}
         context = click.Context(command)
-        for parameter in command.get_params(context):
+        for parameter in command.params:
             if isinstance(parameter, click.Option) and not parameter.hidden:
                 texts.add(plain(parameter.help or ""))
         if isinstance(command, LazyGroup):

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import subprocess
 import sys
 import unicodedata
@@ -10,7 +11,7 @@ from pathlib import Path
 
 import pytest
 
-from rtgen.cli import run
+from rtgen.cli import COMMANDS, run
 from rtgen.facts import columns
 
 BROKEN = (
@@ -104,6 +105,59 @@ def test_explain_and_help_are_japanese(capfd: pytest.CaptureFixture[str]) -> Non
     assert "定義からファイルを生成する。" in capfd.readouterr().out
     assert run(["explain", "--language", "ja"]) == 0
     assert "CDL0201  エラー   セミコロンがない" in capfd.readouterr().out
+
+
+@pytest.mark.parametrize(
+    ("arguments", "code", "text"),
+    [
+        (("--help", "--language", "ja"), 0, "使い方: rtgen [OPTIONS]"),
+        (("--language=ja", "run", "--help"), 0, "使い方: rtgen run [OPTIONS]"),
+        (("run", "--help", "--language=ja"), 0, "使い方: rtgen run [OPTIONS]"),
+        (("can", "--language", "ja", "--help"), 0, "使い方: rtgen can [OPTIONS]"),
+        (("run", "--no-such", "--language", "ja"), 2, "エラー: オプション '--no-such'"),
+        (("no-such", "--language", "ja"), 2, "エラー: コマンド 'no-such' はありません"),
+        (("run", "--rate", "x", "--language", "ja"), 2, "'x' は数ではありません"),
+        (("--language", "ja", "can", "sdo"), 2, "エラー: 引数 "),
+        (("diff", "a", "b", "c", "--language", "ja"), 2, "比較するのは二つの版"),
+    ],
+)
+def test_help_and_errors_of_usage_do_not_wait_for_the_option(
+    project: Path,
+    capfd: pytest.CaptureFixture[str],
+    arguments: tuple[str, ...],
+    code: int,
+    text: str,
+) -> None:
+    assert run(arguments) == code
+    printed = capfd.readouterr()
+    assert text in printed.out + printed.err
+    assert not re.search("Usage|Error|Try ", printed.out + printed.err)
+
+
+def test_help_fits_the_terminal(capfd: pytest.CaptureFixture[str]) -> None:
+    commands: list[tuple[str, ...]] = [(), *((name,) for name in COMMANDS)]
+    commands += [("can", name) for name in ("scan", "sdo", "send", "replay")]
+    for name in commands:
+        assert run([*name, "--help", "--language", "ja"]) == 0
+        lines = capfd.readouterr().out.split("\n")
+        examples = (line for line in lines if not line.startswith("例: "))
+        widest = max(examples, key=columns.columns)
+        assert columns.columns(widest) <= 80, widest
+        assert not any(line.lstrip().startswith(("、", "。")) for line in lines)
+
+
+@pytest.mark.parametrize(
+    ("text", "width", "lines"),
+    [
+        ("", 10, []),
+        ("one two three", 8, ["one two", "three"]),
+        ("車輪の速度。次", 8, ["車輪の速", "度。次"]),
+        ("車輪の速度、次", 10, ["車輪の速", "度、次"]),
+        ("rtgen.toml の値", 12, ["rtgen.toml", "の値"]),
+    ],
+)
+def test_lines_of_a_paragraph(text: str, width: int, lines: list[str]) -> None:
+    assert columns.wrapped(text, width) == lines
 
 
 def test_english_runs_load_no_catalogue(project: Path) -> None:

@@ -36,7 +36,7 @@ _SAID_OF = re.compile(
 _FEW = 16
 """Templates with fewer characters, such as `{0} is {1}`, are in many texts of another meaning."""
 _PROSE = re.compile(
-    r"\b[a-z]{2,} [a-z]{2,}\b"
+    r"\b[a-z]{2,} [a-z]{2,}\b|\b\d+ [a-z]{4,}\b"
     r"|\b(?:the|not|is|are|its?|which|this|that|them)\b"
     r"|(?:^| )(?:a|an|of|out|and|has|with) | (?:a|an|of|out|and|has|with|too)$"
 )
