@@ -36,7 +36,7 @@ _SAID_OF = re.compile(
 _FEW = 16
 """Templates with fewer characters, such as `{0} is {1}`, are in many texts of another meaning."""
 _PROSE = re.compile(
-    r"\b[a-z]{2,} [a-z]{2,}\b|\b\d+ [a-z]{4,}\b"
+    r"\b[a-z]{2,} [a-z]{2,}\b"
     r"|\b(?:the|not|is|are|its?|which|this|that|them)\b"
     r"|(?:^| )(?:a|an|of|out|and|has|with) | (?:a|an|of|out|and|has|with|too)$"
 )
@@ -112,7 +112,8 @@ class Catalogue:
                 self._plain[template.parts[0]] = text.format()
             elif template.size:
                 self._templates.append((template, text))
-        self._templates.sort(key=lambda each: -each[0].size)
+        # Of equal size, `{0}; {1}` comes before `{0}: {1}`, which is a part of it.
+        self._templates.sort(key=lambda each: (-each[0].size, ": " in each[0].parts))
 
     def translated(self, text: str) -> str:
         """Return a text in this language; unchanged if it is made from no template."""
