@@ -1,7 +1,7 @@
 /**
  * The texts of the page, and what is wrong with them, as JSON: `{ "texts": [place, text][], "flaws": [place, what][] }`.
  *
- * A text is the constant that `t` and `rich` of src/texts.ts are called with. It is a flaw that a text of JSX, of an
+ * A text is the constant that `t` of src/texts.ts and `rich` of src/rich.tsx are called with. It is a flaw that a text of JSX, of an
  * attribute that people see, or of any other constant with words, is not one.
  */
 

@@ -5,8 +5,9 @@ import { joined } from "./Inspector.tsx";
 import type { Subject } from "./Inspector.tsx";
 import { Latencies } from "./Latencies.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
+import { rich } from "./rich.tsx";
 import { stateClass, stateOf, store } from "./store.ts";
-import { rich, t } from "./texts.ts";
+import { t } from "./texts.ts";
 
 /** Wires that lose samples are listed up to this number. */
 const MOST = 12;

@@ -7,8 +7,9 @@ import type { Draft } from "./draft.ts";
 import { DraftError, draft, finish } from "./draft.ts";
 import type { BoardCall, Component, Operation, PortAddress, Result } from "./protocol/Ui.ts";
 import { CdrError, deserialize, serialize } from "./protocol/_cdr.ts";
+import { rich } from "./rich.tsx";
 import { leaves, store } from "./store.ts";
-import { rich, t } from "./texts.ts";
+import { t } from "./texts.ts";
 
 /** Maximum number of repeated calls of a form. */
 const MAX_CALLS = 500;

@@ -5,8 +5,9 @@ import { MemberPlot, portOf } from "./MemberPlot.tsx";
 import { usePlots } from "./members.ts";
 import { Span } from "./Plot.tsx";
 import type { Component, SystemState } from "./protocol/Ui.ts";
+import { rich } from "./rich.tsx";
 import { leaves, store } from "./store.ts";
-import { rich, t } from "./texts.ts";
+import { t } from "./texts.ts";
 
 export function Values({ system, component }: { system: SystemState; component: Component }) {
   const plots = usePlots();

@@ -1,8 +1,5 @@
 /** Texts of the page in the language of its reader: written in English where they are shown, translated by the catalogue of the server. */
 
-import { Fragment, createElement } from "react";
-import type { ReactNode } from "react";
-
 /** The languages of the page, as each calls itself. */
 export const LANGUAGES = { en: "English", ja: "日本語" } as const;
 export type Language = keyof typeof LANGUAGES;
@@ -12,8 +9,9 @@ const CHOSEN = "rtgen language";
 
 const isLanguage = (name: string | null): name is Language => name !== null && Object.hasOwn(LANGUAGES, name);
 
-/** The chosen language, else that of the server, which has written it into the page. */
+/** The chosen language, else that of the server, which has written it into the page; English outside of a browser. */
 function current(): Language {
+  if (typeof document === "undefined") return "en";
   const of = document.documentElement;
   try {
     const chosen = localStorage.getItem(CHOSEN);
@@ -55,17 +53,10 @@ export const languages = (): { name: string; act: () => void }[] =>
 
 const PLACE = /\{(\w+)\}/;
 
-/** A text, with values in the places of their names: `t("{count} calls", { count })`. */
-export function t(english: string, values: Readonly<Record<string, string | number | bigint>> = {}): string {
-  const text = texts[english] ?? english;
-  return text
-    .split(PLACE)
-    .map((each, i) => (i % 2 ? String(values[each]) : each))
-    .join("");
-}
+/** A text in the reader's language, with each name of a value mapped between the texts around it. */
+export const filled = <T>(english: string, value: (name: string) => T): (string | T)[] =>
+  (texts[english] ?? english).split(PLACE).map((each, i) => (i % 2 ? value(each) : each));
 
-/** A text with elements in the places of their names. */
-export function rich(english: string, values: Readonly<Record<string, ReactNode>>): ReactNode {
-  const pieces = (texts[english] ?? english).split(PLACE).map((each, i) => (i % 2 ? values[each] : each));
-  return createElement(Fragment, null, ...pieces);
-}
+/** A text, with values in the places of their names: `t("{count} calls", { count })`. */
+export const t = (english: string, values: Readonly<Record<string, string | number | bigint>> = {}): string =>
+  filled(english, (name) => String(values[name])).join("");
