@@ -111,7 +111,8 @@ function Rate({ connection }: { connection: Connection }) {
 
 /** A property of a connection, empty where the default applies. */
 function Property({ parameter, text, implied, full, set }: { parameter: Parameter; text: string; implied: string; full: boolean; set: (text: string) => void }) {
-  const name = NAMES[parameter.name.replace(BUFFER, "")] ?? parameter.name;
+  const key = parameter.name.replace(BUFFER, "");
+  const name = Object.hasOwn(NAMES, key) ? NAMES[key]! : parameter.name;
   const label = parameter.name.replace(/^dataport\.(inport|outport)\.buffer.*/, "$1 ") === parameter.name ? name : BUFFER.exec(parameter.name)![1] === "inport" ? t("inport {name}", { name }) : t("outport {name}", { name });
   const { choices, min } = limits(parameter.constraint);
   return (

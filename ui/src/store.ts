@@ -99,7 +99,7 @@ const KINDS: Readonly<Record<string, string>> = {
   waiting: t("waiting"),
   warning: t("warning"),
 };
-export const kindOf = (kind: string): string => KINDS[kind] ?? kind;
+export const kindOf = (kind: string): string => (Object.hasOwn(KINDS, kind) ? KINDS[kind]! : kind);
 
 /** Kinds of notices that are failures. */
 const FAILURES = ["error", "end", "lost", "overrun"];
