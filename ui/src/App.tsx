@@ -9,6 +9,7 @@ import { state, stated } from "./address.ts";
 import { Bar } from "./Bar.tsx";
 import { Board } from "./Board.tsx";
 import { BusView } from "./Bus.tsx";
+import { Compare } from "./Compare.tsx";
 import { Commands } from "./Commands.tsx";
 import { Console } from "./Console.tsx";
 import { Drive } from "./Drive.tsx";
@@ -270,6 +271,7 @@ export function App() {
             )}
           </p>
         )}
+        {system && <Compare system={system} selected={selected} full={full} open={() => open("Plots")} />}
         {system && <TimeBar system={system} full={full} lines={page.lines} live={page.link === "live"} brief={isPhone && shown !== "Timeline"} />}
         {system && !isWide && (
           <Bar shown={shown} show={open} offered={offered}>

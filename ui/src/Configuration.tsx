@@ -1,6 +1,7 @@
 /** Configuration sets: parameters edited by the widgets that their definitions name. */
 
 import { useState } from "react";
+import { Name } from "./kit/Name.tsx";
 import type { Component, Parameter } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
@@ -13,6 +14,16 @@ export function limits(constraint: string): { min?: number; max?: number; choice
   const least = /^x\s*>=?\s*([-+.\deE]+)$/.exec(constraint.trim());
   const [min, max] = [range?.[1] ?? least?.[1], range?.[2]];
   return { ...(min && { min: Number(min) }), ...(max && { max: Number(max) }) };
+}
+
+/** A constraint as it is read: `1.0<=x<=5.0` as 1.0 to 5.0; nothing for choices, which the field has. */
+export function inWords(constraint: string): string {
+  if (limits(constraint).choices) return "";
+  const [, low, above, below, high] = /^\s*(?:([-+.\deE]+)\s*(<=?)\s*)?x(?:\s*(<=?)\s*([-+.\deE]+))?\s*$/.exec(constraint) ?? [];
+  const [, sign, end] = /^\s*x\s*(>=?)\s*([-+.\deE]+)\s*$/.exec(constraint) ?? [];
+  if (sign) return `${sign === ">=" ? "≥" : ">"} ${end}`;
+  if (above === "<=" && below === "<=") return t("{low} to {high}", { low: low!, high: high! });
+  return [above && `${above === "<=" ? "≥" : ">"} ${low}`, below && `${below === "<=" ? "≤" : "<"} ${high}`].filter(Boolean).join(", ") || constraint;
 }
 
 /** The items of a value that is a list. */
@@ -170,17 +181,19 @@ export function Configuration({ component, full }: { component: Component; full:
         >
           {t("Use this set")}
         </button>
+        <span className="group">
         <input aria-label={t("Name of a new set")} placeholder={t("new set")} size={8} disabled={!full} value={fresh} onChange={(e) => setFresh(e.target.value)} />
         <button type="submit" disabled={!full || !fresh.trim()}>
           {t("Add set")}
         </button>
+        </span>
       </form>
       <table className="parameters">
         <tbody>
           {component.parameters.map((parameter) => (
             <tr key={`${name} ${parameter.name}`}>
               <th scope="row" title={parameter.doc}>
-                {parameter.name}
+                <Name text={parameter.name} />
               </th>
               <td className="text">
                 <Field
@@ -192,7 +205,7 @@ export function Configuration({ component, full }: { component: Component; full:
                 />
               </td>
               <td className="text">
-                <bdi>{parameter.unit}</bdi> <small>{limits(parameter.constraint).choices ? "" : parameter.constraint}</small>
+                <bdi>{parameter.unit}</bdi> <small>{inWords(parameter.constraint)}</small>
               </td>
             </tr>
           ))}

@@ -67,7 +67,21 @@ export function Connections({ system, component, full, chosen, choose }: { syste
           ))}
         </select>
       </label>
-      {!port && <p>{t("Choose a port.")}</p>}
+      {!port && (
+        <ul className="ends" aria-label={t("Ports of {instance}", { instance: component.instance })}>
+          {component.ports.map((each) => {
+            const count = system.connections.filter(({ source, target }) => [named(source), named(target)].includes(named({ instance: component.instance, port: each.name }))).length;
+            return (
+              <li key={each.name}>
+                <button type="button" className="link plain" onClick={() => choose(each.name)}>
+                  {each.name}
+                </button>
+                <small>{`${KINDS[each.kind]}, ${count ? t("{count} connected", { count }) : t("not connected")}`}</small>
+              </li>
+            );
+          })}
+        </ul>
+      )}
       {port && (
         <>
           <h2>{t("Connected")}</h2>

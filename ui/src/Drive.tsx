@@ -189,7 +189,7 @@ function Pad({ target, speed, rate }: { target: Target; speed: number; rate: num
   );
 }
 
-function Limit({ label, value, set }: { label: string; value: number; set: (value: number) => void }) {
+function Limit({ label, unit, value, set }: { label: string; unit: string; value: number; set: (value: number) => void }) {
   return (
     <label>
       {label}
@@ -201,6 +201,7 @@ function Limit({ label, value, set }: { label: string; value: number; set: (valu
         value={value}
         onChange={(e) => Number.isFinite(e.target.valueAsNumber) && set(Math.min(Math.max(e.target.valueAsNumber, 0), 10))}
       />
+      {unit}
     </label>
   );
 }
@@ -226,8 +227,8 @@ export function Drive({ system, full, map }: { system: SystemState; full: boolea
         </select>
       </label>
       <div className="buttons">
-        <Limit label="m/s" value={speed} set={setSpeed} />
-        <Limit label="rad/s" value={rate} set={setRate} />
+        <Limit label={t("Speed")} unit="m/s" value={speed} set={setSpeed} />
+        <Limit label={t("Turn")} unit="rad/s" value={rate} set={setRate} />
       </div>
       {!full ? (
         <p>{t("This page may only look.")}</p>

@@ -9,6 +9,7 @@ import { Button } from "./kit/Button.tsx";
 import { Dialog } from "./kit/Dialog.tsx";
 import { chainsOf, times } from "./Latencies.tsx";
 import { linesOf } from "./lines.ts";
+import { Loss } from "./Loss.tsx";
 import type { Connection, FileChange, Parameter, Port, PortAddress, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
@@ -208,9 +209,12 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
   return (
     <Card title={t("Connection")} close={() => inspect(undefined)}>
       {flow && flow.lost > 0n && (
-        <p className="late">
-          {t("{count} samples lost: {details}", { count: flow.lost, details: flow.details })}
-        </p>
+        <>
+          <p className="late">
+            {t("{count} samples lost: {details}", { count: flow.lost, details: flow.details })}
+          </p>
+          <Loss system={system} connection={connection} />
+        </>
       )}
       {said && (
         <p className="late judged" role="note">
@@ -245,7 +249,7 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
         </table>
         {!isService &&
           (["outport", "inport"] as const).map((side) => (
-            <details key={side}>
+            <details key={side} open={side === "inport" && flow !== undefined && flow.lost > 0n}>
               <summary>{side === "inport" ? t("Buffer of the InPort") : t("Buffer of the OutPort")}</summary>
               <table>
                 <tbody>{rows((each) => each.startsWith(`dataport.${side}.buffer.`))}</tbody>

@@ -190,7 +190,7 @@ export function MapView({ system }: { system: SystemState }) {
 
   useEffect(() => {
     let frame = 0;
-    let updated = 0;
+    let [updated, known] = [0, -1];
     const paint = (now: number) => {
       frame = requestAnimationFrame(paint);
       const area = canvas.current;
@@ -202,8 +202,9 @@ export function MapView({ system }: { system: SystemState }) {
       const { x, y } = view.current;
       const seen = measured && ranging ? { ...measured, to: { x, y, heading: NaN } } : measured;
       draw(area, layers, view.current, seen, measuring && area === document.activeElement);
-      if (now - updated < LEGEND_EVERY) return;
-      updated = now;
+      const filled = layers.filter(({ grid, pose, points, path }) => grid ?? pose ?? (points.length || path.length)).length;
+      if (now - updated < LEGEND_EVERY && filled === known) return;
+      [updated, known] = [now, filled];
       setLegend((before) => {
         const lines = layers.map(words);
         const scale = metres(round(110 / (view.current?.scale ?? 1)));

@@ -1,8 +1,9 @@
 /** A plot of members of ports, in this run and in the compared one. */
 
 import type { ReactNode } from "react";
-import { useEffect } from "react";
+import { useEffect, useRef } from "react";
 import type { Curve } from "./curves.ts";
+import { differences, stampOf } from "./curves.ts";
 import { Plot } from "./Plot.tsx";
 import type { Member } from "./members.ts";
 import { addMember, carriedOf, memberOf, removeMember } from "./members.ts";
@@ -60,6 +61,14 @@ export function MemberPlot({ id, label, system, own, added, children }: Props) {
       }
     return [...found.values()];
   };
+  const kept = useRef<{ stamp: string; curves: Curve[] }>({ stamp: "", curves: [] });
+  const isDifference = system.beside !== "" && store.page.differs;
+  const readDifferences = () => {
+    const curves = read();
+    const stamp = stampOf(curves);
+    if (stamp !== kept.current.stamp) kept.current = { stamp, curves: differences(curves) };
+    return kept.current.curves;
+  };
   const texts = new Map<string, string>();
   for (const channel of channels)
     if (!channel.beside) for (const [path, value] of leaves(store.tracks.get(channel.id)?.value)) if (typeof value !== "number") texts.set(carriedOf({ port: portOf(channel), path }), String(value));
@@ -73,7 +82,7 @@ export function MemberPlot({ id, label, system, own, added, children }: Props) {
     return found && (() => removeMember(id, found));
   };
   return (
-    <Plot id={id} label={label} read={read} texts={texts} carried={(key) => key} dropped={take} remove={remove} compared={system.beside !== ""}>
+    <Plot id={id} label={label} read={isDifference ? readDifferences : read} texts={isDifference ? undefined : texts} carried={(key) => key} dropped={take} remove={remove} compared={system.beside !== "" && !isDifference}>
       {children}
     </Plot>
   );

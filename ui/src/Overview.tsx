@@ -4,6 +4,7 @@ import { Activity, CircleAlert, MousePointerClick, Plus, Spline } from "lucide-r
 import { joined } from "./Inspector.tsx";
 import type { Subject } from "./Inspector.tsx";
 import { Latencies } from "./Latencies.tsx";
+import { Loss } from "./Loss.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
 import { rich } from "./rich.tsx";
 import { stateClass, stateOf, store } from "./store.ts";
@@ -61,7 +62,7 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
         )}
       </section>
       <section aria-label={t("Lost samples")} className="card">
-        <h2>{losing.length ? t("{count} connections lose samples", { count: losing.length }) : t("No connection loses samples")}</h2>
+        <h2>{losing.length > 1 ? t("{count} connections lose samples", { count: losing.length }) : losing.length ? t("1 connection loses samples") : t("No connection loses samples")}</h2>
         <ul className="plainlist">
           {losing.slice(0, MOST).map((each) => (
             <li key={each.name}>
@@ -69,6 +70,7 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
                 <bdi>{joined(each)}</bdi>
               </button>
               <small className="late">{flows.get(each.name)!.details}</small>
+              <Loss system={system} connection={each} />
             </li>
           ))}
         </ul>

@@ -8,6 +8,7 @@ import { colour } from "./colours.ts";
 import type { Curve } from "./curves.ts";
 import { FIRST, csv, figuresOf, inPictures, joined, labelOf, stampOf, until, valueAt } from "./curves.ts";
 import { IconButton } from "./kit/Button.tsx";
+import { Name } from "./kit/Name.tsx";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
 
@@ -48,10 +49,11 @@ const choices = new Map<string, Map<string, boolean>>();
 /** The key of a unit's scale: no text of a unit is `x`, or a member that all objects have. */
 const scaleOf = (unit: string): string => `unit ${unit}`;
 
-/** Selects the duration shown by all plots. */
-export function Span() {
-  const { span, zoom } = store.page;
+/** Selects the duration shown by all plots, and with a compared run whether they show the difference. */
+export function Span({ compared = false }: { compared?: boolean }) {
+  const { span, zoom, differs } = store.page;
   return (
+    <>
     <label>
       {t("Plots show")}
       <select value={zoom ? "" : span} onChange={(e) => store.span(Number(e.target.value))}>
@@ -63,6 +65,13 @@ export function Span() {
         ))}
       </select>
     </label>
+    {compared && (
+      <label>
+        <input type="checkbox" checked={differs} onChange={(e) => store.differ(e.target.checked)} />
+        {t("Difference of the two runs")}
+      </label>
+    )}
+    </>
   );
 }
 
@@ -76,6 +85,17 @@ const brief = (value: number): string => (Number.isNaN(value) ? "" : Math.abs(va
 
 /** Whether the page is dark; its change creates new plots, whose axes have its colours. */
 const dark = matchMedia("(prefers-color-scheme: dark)");
+
+/** Labels of an axis, with as many digits as tell them apart. */
+function labels(_: unknown, splits: readonly number[]): string[] {
+  const step = Math.abs((splits[1] ?? 1) - (splits[0] ?? 0)) || 1;
+  const digits = Math.max(0, -Math.floor(Math.log10(step) + 1e-9));
+  const most = Math.max(...splits.map(Math.abs));
+  return splits.map((each) => {
+    const isZero = Math.abs(each) < step / 1000;
+    return isZero ? "0" : digits > 6 || most >= 1e7 ? Number(each.toPrecision(3)).toExponential() : Number(each.toFixed(digits + 2)).toString();
+  });
+}
 
 /** Space for the longest label of an axis [px]. */
 const space = (_: unknown, labels: readonly string[] | null): number => 20 + 7 * Math.max(4, ...(labels ?? []).map((each) => each.length));
@@ -119,6 +139,7 @@ function options(curves: readonly Curve[], text: string, size: { width: number; 
         ...axis,
         scale: scaleOf(unit),
         size: space,
+        values: labels,
         ...(unit && { label: unit }),
         ...(i > 0 && { side: 1 as const, grid: { show: false } }),
       })),
@@ -374,7 +395,7 @@ export function Plot({ id, label, read, texts, carried, dropped, remove, compare
                       <label>
                         <input type="checkbox" checked={isShown(curve.key)} onChange={(e) => change(curve.key, e.target.checked)} />
                         <span className="swatch" style={{ background: colour(curve.colour) }} />
-                        <span>{curve.name}</span>
+                        <span><Name text={curve.name} /></span>
                       </label>
                       {taken && <IconButton icon={X} look="plain" label={t("Remove {name}", { name: curve.name })} onClick={taken} />}
                     </th>

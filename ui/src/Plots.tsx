@@ -41,7 +41,7 @@ export function Plots({ system }: { system: SystemState }) {
         <Button icon={ChartLine} onClick={() => addPlot(next)}>
           {t("New plot")}
         </Button>
-        <Span />
+        <Span compared={system.beside !== ""} />
       </div>
       {shown.map(([id, members]) => (
         <section key={id} aria-label={labelOf(id)} className="card">

@@ -54,7 +54,7 @@ export function Values({ system, component }: { system: SystemState; component: 
   });
   return (
     <>
-      <Span />
+      <Span compared={system.beside !== ""} />
       {sections}
       {unknown.map((each) => (
         <p key={each.name}>

@@ -11,6 +11,7 @@ import { Button } from "./kit/Button.tsx";
 import { WIDEST, around, arrange, frames, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, width } from "./layout.ts";
 import type { Arrangement, Grouping, Point } from "./layout.ts";
 import { linesOf } from "./lines.ts";
+import { Name, partsOf } from "./kit/Name.tsx";
 import { Inspecting } from "./Inspector.tsx";
 import type { Subject } from "./Inspector.tsx";
 import { Menu } from "./Menu.tsx";
@@ -28,7 +29,7 @@ import { ROOM, useWidth } from "./width.ts";
 interface BoxData extends Record<string, unknown> {
   component: Component;
   fits: ReadonlyMap<string, Fit> | undefined;
-  /** The names of the ports with connections. */
+  /** The names of the ports with connections, and the sides of each that have them. */
   joined: ReadonlySet<string>;
 }
 
@@ -42,6 +43,9 @@ const byInstance = (components: readonly Component[]): Map<string, Component> =>
 const portOf = (node: string | null, handle: string | null | undefined): PortAddress => ({ instance: nameOf(node ?? ""), port: nameOf(handle ?? "") });
 const address = ({ instance, port }: PortAddress): string => JSON.stringify([instance, port]);
 
+/** A side of a port, in a set of names of ports. */
+const sideOf = (port: string, right: boolean): string => `${port}\0${right ? "right" : "left"}`;
+
 /** A hue for each type, the same on each page. */
 export function hue(type: string): number {
   let sum = 0;
@@ -52,7 +56,7 @@ export function hue(type: string): number {
 /** The colour of a type, with a contrast above 3 on light and on dark paper (WCAG 2.2, 1.4.11). */
 const ink = (type: string): string => `oklch(58% 0.15 ${hue(type)})`;
 
-function PortRow({ component, port, fits, isOpen }: { component: Component; port: Port; fits: BoxData["fits"]; isOpen: boolean }) {
+function PortRow({ component, port, fits, joined }: { component: Component; port: Port; fits: BoxData["fits"]; joined: BoxData["joined"] }) {
   const inspect = useContext(Inspecting);
   const service = port.kind === "PORT_SERVICE";
   const kind = service ? "service" : port.kind === "PORT_IN" ? "in" : "out";
@@ -62,14 +66,17 @@ function PortRow({ component, port, fits, isOpen }: { component: Component; port
   const mark = fits ? (refused === undefined ? "other" : refused ? "refused" : "fits") : "";
   const provided = port.interfaces.some((each) => each.provided);
   const style = { "--ink": ink(service ? typeOf(port) : port.type) } as CSSProperties;
+  const isOpen = !joined.has(port.name);
+  /** A side of a service port that no wire needs is seen only when the mouse is over it. */
+  const side = (right: boolean) => ({ className: service && !(isOpen ? right !== provided : joined.has(sideOf(port.name, right))) ? "spare" : "" });
   const names = { id: idOf(port.name), role: "img", "aria-label": t(service ? "service port {port}" : port.kind === "PORT_IN" ? "in port {port}" : "out port {port}", { port: `${component.instance}.${port.name}` }), title, style };
   return (
     <div className={`port ${kind} ${mark} ${isOpen ? "open" : ""} ${service && !provided ? "socket" : ""}`} title={title}>
-      {kind !== "out" && <Handle type="target" position={Position.Left} {...names} />}
+      {kind !== "out" && <Handle type="target" position={Position.Left} {...names} {...side(false)} />}
       <span onClick={() => inspect({ kind: "port", instance: component.instance, port: port.name })}>{port.name}</span>
       <small title={[typeOf(port), title].join("\n")}>{typeOf(port)}</small>
       {kind === "out" && <Handle type="source" position={Position.Right} {...names} />}
-      {service && <Handle type="source" position={Position.Right} {...names} />}
+      {service && <Handle type="source" position={Position.Right} {...names} {...side(true)} />}
     </div>
   );
 }
@@ -85,12 +92,16 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
   const of = (kind: Port["kind"]) =>
     component.ports
       .filter((port) => port.kind === kind)
-      .map((port) => <PortRow key={port.name} component={component} port={port} fits={fits} isOpen={!joined.has(port.name)} />);
+      .map((port) => <PortRow key={port.name} component={component} port={port} fits={fits} joined={joined} />);
   const rates = component.contexts.map((each) => `${each.rate} Hz`).join(", ");
   return (
-    <div className={`box ${stateClass(component)} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: width(component) }}>
+    <div className={`box ${stateClass(component)} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: width(component), "--wide": `${width(component)}px`, "--longest": Math.max(...partsOf(title(component)).map((each) => each.length), 1) } as CSSProperties}>
       <div className="head" title={[component.instance, component.type, component.doc, component.silent || component.reason].filter(Boolean).join("\n")}>
-        <strong>{title(component)}</strong>
+        <strong>
+          <span>
+            <Name text={title(component)} />
+          </span>
+        </strong>
         <small>
           {component.silent ? t("does not answer") : stateOf(component)} {rates}
           <Late instance={component.instance} />
@@ -187,6 +198,19 @@ function Distance({ of }: { of: RefObject<HTMLElement | null> }) {
 }
 
 const MAP = { width: 160, height: 110 };
+/** Where the small map may be; the buttons are at the bottom left. */
+const CORNERS = ["top-right", "bottom-right", "top-left"] as const;
+type Corner = (typeof CORNERS)[number];
+
+/** The first corner of a view where the small map covers no box. */
+function freeCorner(boxes: readonly (Point & { right: number; bottom: number })[], wide: number, high: number): Corner | undefined {
+  const [across, down] = [MAP.width + 16, MAP.height + 16];
+  return CORNERS.find((corner) => {
+    const isLeft = corner === "top-left";
+    const isLow = corner === "bottom-right";
+    return !boxes.some((each) => (isLeft ? each.x < across : each.right > wide - across) && (isLow ? each.bottom > high - down : each.y < down));
+  });
+}
 
 const edgeTypes = { wire: WireLine };
 const NONE: ReadonlySet<string> = new Set();
@@ -266,8 +290,10 @@ export const Wiring = memo(function Wiring(props: {
   /** Whether there are boxes outside of the view that fits best, and whether the small map is shown: undefined: if so. */
   const [cropped, crop] = useState(false);
   const [wanted, showMap] = useState<boolean>();
-  const mapped = wanted ?? cropped;
+  const [corner, setCorner] = useState<Corner>();
+  const mapped = wanted ?? (cropped && corner !== undefined);
   const isWide = useWidth(ROOM);
+  const isHidden = room.startsWith("0x");
   const drags = useRef(0);
   /** Places of boxes moved by arrow keys, until they are stored. */
   const steered = useRef(new Map<string, Point>());
@@ -276,8 +302,10 @@ export const Wiring = memo(function Wiring(props: {
   const lines = useMemo(() => linesOf(components, buses), [components, buses]);
 
   useEffect(() => {
-    let current = true;
     const { clientWidth, clientHeight } = section.current!;
+    // The proportions of a hidden view are not known: it is arranged when it is shown.
+    if (!clientWidth) return undefined;
+    let current = true;
     const free = hung(components, connections, lines);
     const joined = components.filter((each) => !free.has(each.instance));
     arrange(joined, connections, clientWidth, clientHeight, height(lines, byInstance(components)), by).then(
@@ -288,7 +316,7 @@ export const Wiring = memo(function Wiring(props: {
       current = false;
     };
     // Later connections do not move boxes.
-  }, [shape]);
+  }, [shape, isHidden]);
 
   /** Places of boxes and buses, and the bounding box. */
   const places = useMemo(() => {
@@ -307,7 +335,8 @@ export const Wiring = memo(function Wiring(props: {
   const joined = useMemo(() => {
     const found = new Map<string, Set<string>>();
     for (const { source, target } of connections)
-      for (const { instance, port } of [source, target]) found.set(instance, (found.get(instance) ?? new Set()).add(port));
+      for (const [{ instance, port }, right] of [[source, true], [target, false]] as const)
+        found.set(instance, (found.get(instance) ?? new Set()).add(port).add(sideOf(port, right)));
     return found;
   }, [connections]);
 
@@ -406,6 +435,11 @@ export const Wiring = memo(function Wiring(props: {
     const shown = view(places.corners, section.current!.clientWidth, section.current!.clientHeight, !isWide);
     void flow.setViewport(shown);
     crop(shown.zoom < FAR);
+    const boxes = components.flatMap((each) => {
+      const place = places.of.get(each.instance);
+      return place ? [{ x: shown.x + place.x * shown.zoom, y: shown.y + place.y * shown.zoom, right: shown.x + (place.x + width(each)) * shown.zoom, bottom: shown.y + (place.y + size(each).height) * shown.zoom }] : [];
+    });
+    setCorner(freeCorner(boxes, section.current!.clientWidth, section.current!.clientHeight));
     moved.current = false;
   };
   // Moving boxes does not move the view.
@@ -551,7 +585,7 @@ export const Wiring = memo(function Wiring(props: {
       ref={section}
       className={arrangement ? "wiring" : "wiring unplaced"}
       aria-label={t("Wiring")}
-      aria-busy={arrangement?.shape !== shape}
+      aria-busy={!isHidden && arrangement?.shape !== shape}
       onDragOver={(e) => {
         if (!full || !e.dataTransfer.types.includes(DRAGGED)) return;
         e.preventDefault();
@@ -677,7 +711,7 @@ export const Wiring = memo(function Wiring(props: {
             </ControlButton>
           </Controls>
           {mapped && (
-            <MiniMap<Shown> position="top-right" style={MAP} pannable zoomable ariaLabel={t("Map of the wiring")} nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />
+            <MiniMap<Shown> position={corner ?? "top-right"} style={MAP} pannable zoomable ariaLabel={t("Map of the wiring")} nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />
           )}
         </ReactFlow>
         </Inspecting.Provider>

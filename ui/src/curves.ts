@@ -1,5 +1,6 @@
 /** Curves of numbers over time: of members of ports, in this run and in the compared one. */
 
+import { t } from "./texts.ts";
 import uPlot from "uplot";
 
 /** Curves that are shown at first. */
@@ -31,6 +32,22 @@ export function joined(curves: readonly Curve[]): uPlot.AlignedData {
   const aligned = uPlot.join(tables.map((table) => [table[0]!.times as number[], ...table.map((each) => each.values as number[])]));
   const order = tables.flat();
   return [aligned[0], ...curves.map((each) => aligned[1 + order.indexOf(each)]!)];
+}
+
+/** The curves of this run less those of the compared one, whose samples hold until the next; from the time when both have one. */
+export function differences(curves: readonly Curve[]): Curve[] {
+  return curves.flatMap((own) => {
+    const other = curves.find((each) => each.beside && each.key === own.key);
+    if (own.beside || !other) return [];
+    const first = until(own.times, (other.times[0] ?? Infinity) - SAME);
+    const times = own.times.slice(first, until(own.times, (other.times.at(-1) ?? -Infinity) + SAME));
+    let at = 0;
+    const values = times.map((time, i) => {
+      while (at + 1 < other.times.length && other.times[at + 1]! <= time + SAME) at++;
+      return own.values[first + i]! - other.values[at]!;
+    });
+    return [{ ...own, name: t("{name}, difference", { name: own.name }), times, values }];
+  });
 }
 
 /** The number of times before or at a time. */

@@ -186,10 +186,23 @@ function ends(component: Component): ElkPort[] {
 const zoom = (across: number, down: number, wide: number, high: number, narrow = false): number =>
   narrow ? Math.min((wide - MARGIN) / across, (high - LEFT - MARGIN) / down) : Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down);
 
+/** A layout of proportions that differ more from those of its view wastes space, so that others are tried. */
+const SKEWED = 1.6;
+
 /** The layout with the largest zoom in a view, above the space for buses. */
 export async function arrange(components: readonly Component[], connections: readonly Connection[], wide: number, high: number, buses: number, by: Grouping): Promise<Arrangement> {
   const all = await proportioned(components, connections, wide / Math.max(high, 1), by);
-  if (!buses) return all;
+  const aspect = wide / Math.max(high, 1);
+  const skew = all.end.x / Math.max(all.end.y, 1) / aspect;
+  if (!buses && Math.max(skew, 1 / skew) < SKEWED) return all;
+  if (!buses) {
+    let best = all;
+    for (const each of [aspect / skew, aspect / Math.sqrt(skew)]) {
+      const other = await proportioned(components, connections, each, by);
+      if (zoom(other.end.x, other.end.y, wide, high) > zoom(best.end.x, best.end.y, wide, high)) best = other;
+    }
+    return best;
+  }
   const wider = await proportioned(components, connections, wide / Math.max(high - buses, high / 2, 1), by);
   const [first, second] = [all, wider].map(({ end }) => zoom(end.x, end.y + buses, wide, high)) as [number, number];
   return second > first ? wider : all;

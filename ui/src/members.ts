@@ -62,6 +62,8 @@ const same = (one: Member) => (other: Member): boolean => carriedOf(one) === car
 /** Members by the plots to which they were added, in the order of the plots. */
 export const usePlots = (): Plots => useSyncExternalStore(subscribe, () => plots);
 
+export const plotsNow = (): Plots => plots;
+
 export function addMember(plot: string, member: Member): void {
   const before = plots.get(plot) ?? [];
   if (!before.some(same(member))) change(new Map(plots).set(plot, [...before, member]));

@@ -66,6 +66,8 @@ export interface Page {
   announced: string;
   /** The duration shown by plots [s]; 0: the whole run. */
   span: number;
+  /** Whether plots show the difference to the compared run. */
+  differs: boolean;
   /** The times that plots are zoomed to [s]. */
   zoom: readonly [number, number] | undefined;
 }
@@ -119,6 +121,7 @@ const unavailable: Page = {
   notice: "",
   announced: "",
   span: 0,
+  differs: false,
   zoom: undefined,
 };
 
@@ -252,6 +255,10 @@ export class Store {
     this.change({ span: seconds, zoom: undefined });
   }
 
+  differ(differs: boolean): void {
+    this.change({ differs });
+  }
+
   zoom(times: readonly [number, number] | undefined): void {
     this.change({ zoom: times });
   }
@@ -296,7 +303,7 @@ export class Store {
         // A server with another version has another page.
         if (event.value.version !== VERSION && this.server) location.reload();
         this.server = event.value.server;
-        this.page = { ...unavailable, link: "live", full: event.value.full, span: this.page.span, zoom: this.page.zoom, said: this.page.said };
+        this.page = { ...unavailable, link: "live", full: event.value.full, span: this.page.span, differs: this.page.differs, zoom: this.page.zoom, said: this.page.said };
         break;
       case "whole":
         this.types.add(0, event.value.types);

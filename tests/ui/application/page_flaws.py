@@ -8,6 +8,9 @@ from typing import Any
 _CONTRAST = 4.5
 """The least contrast of text (WCAG 2.2, 1.4.3)."""
 
+_LETTERS = 7.0
+"""The least size of letters as they are shown [px]: types of ports, just before they are hidden."""
+
 
 def flaws(page: Any, part: str = "body") -> list[str]:
     """Return the lasting flaws of a part of a page; texts may be cut where a title has all of them.
@@ -17,7 +20,7 @@ def flaws(page: Any, part: str = "body") -> list[str]:
     found: list[str] = []
     for _ in range(_LOOKS):
         page.locator(".wiring[aria-busy=true]").wait_for(state="detached")
-        found = page.evaluate(_FLAWS, [_CONTRAST, part])
+        found = page.evaluate(_FLAWS, [_CONTRAST, _LETTERS, part])
         if not found:
             break
         page.wait_for_timeout(_BETWEEN)
@@ -40,7 +43,7 @@ _LOOKS = 30
 _BETWEEN = 100
 """Milliseconds between two looks."""
 
-_FLAWS = """([contrast, part]) => {
+_FLAWS = """([contrast, least, part]) => {
     const flaws = [];
     const about = each => {
         const name = each.getAttribute("aria-label") ?? each.textContent.trim().slice(0, 40);
@@ -82,6 +85,30 @@ _FLAWS = """([contrast, part]) => {
         }
         return false;
     };
+    // Words that are broken inside, though their parts have room: PositionIn-put0.
+    const broken = each => {
+        const style = getComputedStyle(each);
+        const node = [...each.childNodes].filter(n => n.nodeType === 3 && n.data.trim());
+        const range = document.createRange();
+        pen.font = style.font;
+        for (const text of node)
+            for (const word of text.data.matchAll(/[\\p{L}\\p{N}]{4,}/gu)) {
+                range.setStart(text, word.index);
+                range.setEnd(text, word.index + word[0].length);
+                const rows = new Set([...range.getClientRects()].map(r => Math.round(r.top)));
+                const block = each.closest("td, th, li, p, div, label, strong, button") ?? each;
+                if (rows.size > 1 && pen.measureText(word[0]).width < block.clientWidth - 4)
+                    flaws.push(`broken: ${about(each)}: ${word[0]}`);
+            }
+    };
+    // Names of boxes are covered by nothing that stands on the wiring.
+    const names = `${part} :is(.box .head strong, .bus-node strong)`;
+    for (const each of document.querySelectorAll(names)) {
+        const { left, top, width, height } = each.getBoundingClientRect();
+        const over = document.elementFromPoint(left + width / 2, top + height / 2);
+        if (seen(each) && over?.closest(".react-flow__panel, .react-flow__minimap, .peek"))
+            flaws.push(`covered: ${about(each)} by ${about(over)}`);
+    }
     const page = document.documentElement;
     if (page.scrollWidth > innerWidth) flaws.push(`the page is ${page.scrollWidth} px wide`);
     for (const each of document.querySelectorAll(".palette, .panel, header, .notice"))
@@ -95,6 +122,8 @@ _FLAWS = """([contrast, part]) => {
         if (!seen(each) || each.closest(".react-flow__attribution, .announced, svg")) continue;
         const style = getComputedStyle(each);
         const own = [...each.childNodes].some(n => n.nodeType === 3 && n.data.trim());
+        if (own && !each.closest("pre, textarea, .octets, .changes, .console, .palette"))
+            broken(each);
         const field = each.matches(
             "input:not([type=range], [type=checkbox], [type=radio]), textarea");
         if (each.matches("select") && style.appearance !== "base-select") {
@@ -107,6 +136,9 @@ _FLAWS = """([contrast, part]) => {
             && (each.scrollWidth > each.clientWidth + 1
                 || each.scrollHeight > each.clientHeight + 3))
             cut(each, each.value ?? each.textContent);
+        const { width: across } = each.getBoundingClientRect();
+        const drawn = parseFloat(style.fontSize) * across / (each.offsetWidth || across);
+        if (own && drawn < least) flaws.push(`small ${drawn.toFixed(1)} px: ${about(each)}`);
         const off = each.closest(":disabled, [aria-disabled=true]");
         if (own && !off) {
             const [one, other] = [light(colour(style.color)), light(paper(each))];
