@@ -31,11 +31,11 @@ export function explained(system: SystemState, connection: Connection): { cause:
   const written = Math.abs(flow.rate - nominal) < 0.2 * nominal ? nominal : flow.rate;
   if (!(length > 0 && rate > 0 && written > 0)) return undefined;
   const arriving = Math.ceil(written / rate - 1e-3);
-  const values = { writer: source.instance, written: Number(written.toFixed(1)), reader: target.instance, rate, arriving, length };
+  const often = Number(written.toFixed(1));
   const newest = t("If only the newest sample counts, nothing needs to be changed.");
   return arriving > length
-    ? { cause: t("{writer} writes {written} samples/s, {reader} runs at {rate} Hz: {arriving} samples arrive between two ticks, and the buffer holds {length}.", values), remedy: `${t("A buffer length of {arriving} holds all of them.", values)} ${newest}` }
-    : { cause: t("{writer} writes {written} samples/s, {reader} runs at {rate} Hz, but does not read all that has arrived: the buffer of {length} is full.", values), remedy: `${t("Read until nothing is new in each tick.")} ${newest}` };
+    ? { cause: t("{writer} writes {written} samples/s, {reader} runs at {rate} Hz: {arriving} samples arrive between two ticks, and the buffer holds {length}.", { writer: source.instance, written: often, reader: target.instance, rate, arriving, length }), remedy: `${t("A buffer length of {arriving} holds all of them.", { arriving })} ${newest}` }
+    : { cause: t("{writer} writes {written} samples/s, {reader} runs at {rate} Hz, but does not read all that has arrived: the buffer of {length} is full.", { writer: source.instance, written: often, reader: target.instance, rate, length }), remedy: `${t("Read until nothing is new in each tick.")} ${newest}` };
 }
 
 export function Loss({ system, connection }: { system: SystemState; connection: Connection }) {

@@ -6,6 +6,7 @@ Each walk uses texts that are seen at that moment, and counts its steps: presses
 from __future__ import annotations
 
 import re
+import sys
 from collections.abc import Callable, Iterator
 from pathlib import Path
 from typing import Any
@@ -86,8 +87,12 @@ def folder(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
     file.with_name("timeline.toml").unlink()
     with pytest.MonkeyPatch.context() as patch:
         patch.chdir(folder)
+        patch.setattr(sys, "path", [*sys.path])
         assert run(["generate", "-q"]) == 0
         yield folder
+    for name in [*sys.modules]:
+        if name.partition(".")[0] in ("heating", "warmth"):
+            del sys.modules[name]
 
 
 @pytest.fixture
