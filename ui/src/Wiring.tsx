@@ -432,14 +432,20 @@ export const Wiring = memo(function Wiring(props: {
 
   const fit = () => {
     if (!flow || !places || !components.length || !section.current!.clientWidth) return;
-    const shown = view(places.corners, section.current!.clientWidth, section.current!.clientHeight, !isWide);
-    void flow.setViewport(shown);
-    crop(shown.zoom < FAR);
+    const { clientWidth, clientHeight } = section.current!;
+    let shown = view(places.corners, clientWidth, clientHeight, !isWide);
     const boxes = components.flatMap((each) => {
       const place = places.of.get(each.instance);
       return place ? [{ x: shown.x + place.x * shown.zoom, y: shown.y + place.y * shown.zoom, right: shown.x + (place.x + width(each)) * shown.zoom, bottom: shown.y + (place.y + size(each).height) * shown.zoom }] : [];
     });
-    setCorner(freeCorner(boxes, section.current!.clientWidth, section.current!.clientHeight));
+    let free = freeCorner(boxes, clientWidth, clientHeight);
+    if (!free && isWide && shown.zoom < FAR) {
+      shown = view(places.corners, clientWidth - MAP.width - 16, clientHeight, false);
+      free = "top-right";
+    }
+    setCorner(free);
+    void flow.setViewport(shown);
+    crop(shown.zoom < FAR);
     moved.current = false;
   };
   // Moving boxes does not move the view.
