@@ -97,7 +97,9 @@ _FLAWS = """([contrast, least, part]) => {
                 range.setEnd(text, word.index + word[0].length);
                 const rows = new Set([...range.getClientRects()].map(r => Math.round(r.top)));
                 const block = each.closest("td, th, li, p, div, label, strong, button") ?? each;
-                if (rows.size > 1 && pen.measureText(word[0]).width < block.clientWidth - 4)
+                const scale = block.getBoundingClientRect().width / block.offsetWidth || 1;
+                const room = block.clientWidth - 4 / scale;
+                if (rows.size > 1 && pen.measureText(word[0]).width < room)
                     flaws.push(`broken: ${about(each)}: ${word[0]}`);
             }
     };
