@@ -34,7 +34,7 @@ endif
 endif
 endif
 
-.PHONY: demo gallery test nightly dear codecs speed sanitized format lint types mypy pyright imports drift pytest waits peers test-openrtm interpreters interpreter interpreted lowest lock licences wheels release ui page pictures fuzz mutants soak bench clean
+.PHONY: demo gallery test nightly dear codecs speed sanitized format lint types mypy pyright imports drift pytest waits peers test-openrtm interpreters interpreter interpreted lowest lock licences wheels release ui page pictures looks fuzz mutants soak bench clean
 
 demo: $(VENV)/demo.stamp
 	$(BIN)/rtgen generate
@@ -236,6 +236,10 @@ sanitized: $(VENV)/test.stamp
 # The pictures of docs/ui.md.
 pictures: page
 	RTGEN_PICTURES=yes $(BIN)/pytest -q tests/ui/application/test_page_gallery.py
+
+# Pictures of ten systems in their main views, in build/looks, to be looked at; and the flaws found in them.
+looks: page
+	RTGEN_LOOKS=build/looks $(BIN)/pytest -q tests/ui/application/test_page_systems.py
 
 # Measures, stores the results, and makes the tables of docs/speed.md of them.
 bench: SCRIPTS ?= $(shell grep -l "Arguments(__doc__" benchmarks/*.py)

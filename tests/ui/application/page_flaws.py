@@ -85,7 +85,7 @@ _FLAWS = """([contrast, least, part]) => {
         }
         return false;
     };
-    // Words that are broken inside, though their parts have room: PositionIn-put0.
+    // Words outside of cells that are broken inside, though they have room: PositionIn-put0.
     const broken = each => {
         const style = getComputedStyle(each);
         const node = [...each.childNodes].filter(n => n.nodeType === 3 && n.data.trim());
@@ -124,7 +124,7 @@ _FLAWS = """([contrast, least, part]) => {
         if (!seen(each) || each.closest(".react-flow__attribution, .announced, svg")) continue;
         const style = getComputedStyle(each);
         const own = [...each.childNodes].some(n => n.nodeType === 3 && n.data.trim());
-        if (own && !each.closest("pre, textarea, .octets, .changes, .console, .palette"))
+        if (own && !each.closest("pre, td, .changes, .console, .palette"))
             broken(each);
         const field = each.matches(
             "input:not([type=range], [type=checkbox], [type=radio]), textarea");
