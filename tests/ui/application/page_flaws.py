@@ -124,7 +124,7 @@ _FLAWS = """([contrast, least, part]) => {
         if (!seen(each) || each.closest(".react-flow__attribution, .announced, svg")) continue;
         const style = getComputedStyle(each);
         const own = [...each.childNodes].some(n => n.nodeType === 3 && n.data.trim());
-        if (own && !each.closest("pre, td, .changes, .console, .palette"))
+        if (own && !each.closest("pre, td, .far, .changes, .console, .palette"))
             broken(each);
         const field = each.matches(
             "input:not([type=range], [type=checkbox], [type=radio]), textarea");
