@@ -5,7 +5,8 @@ import { addMember, plotsNow } from "./members.ts";
 import { portOf } from "./MemberPlot.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
-import { rich, t } from "./texts.ts";
+import { rich } from "./rich.tsx";
+import { t } from "./texts.ts";
 
 /** Plots of this number of ports are made at first. */
 const PORTS = 3;

@@ -85,24 +85,6 @@ _FLAWS = """([contrast, least, part]) => {
         }
         return false;
     };
-    // Words outside of cells that are broken inside, though they have room: PositionIn-put0.
-    const broken = each => {
-        const style = getComputedStyle(each);
-        const node = [...each.childNodes].filter(n => n.nodeType === 3 && n.data.trim());
-        const range = document.createRange();
-        pen.font = style.font;
-        for (const text of node)
-            for (const word of text.data.matchAll(/[\\p{L}\\p{N}]{4,}/gu)) {
-                range.setStart(text, word.index);
-                range.setEnd(text, word.index + word[0].length);
-                const rows = new Set([...range.getClientRects()].map(r => Math.round(r.top)));
-                const block = each.closest("td, th, li, p, div, label, strong, button") ?? each;
-                const scale = block.getBoundingClientRect().width / block.offsetWidth || 1;
-                const room = block.clientWidth - 4 / scale;
-                if (rows.size > 1 && pen.measureText(word[0]).width < room)
-                    flaws.push(`broken: ${about(each)}: ${word[0]}`);
-            }
-    };
     // Names of boxes are covered by nothing that stands on the wiring.
     const names = `${part} :is(.box .head strong, .bus-node strong)`;
     for (const each of document.querySelectorAll(names)) {
@@ -124,8 +106,6 @@ _FLAWS = """([contrast, least, part]) => {
         if (!seen(each) || each.closest(".react-flow__attribution, .announced, svg")) continue;
         const style = getComputedStyle(each);
         const own = [...each.childNodes].some(n => n.nodeType === 3 && n.data.trim());
-        if (own && !each.closest("pre, td, .far, .changes, .console, .palette"))
-            broken(each);
         const field = each.matches(
             "input:not([type=range], [type=checkbox], [type=radio]), textarea");
         if (each.matches("select") && style.appearance !== "base-select") {
