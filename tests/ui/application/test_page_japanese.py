@@ -38,7 +38,8 @@ SAID = """() => {
     const texts = document.createTreeWalker(document.body, NodeFilter.SHOW_TEXT);
     while (texts.nextNode()) {
         const { data, parentElement } = texts.currentNode;
-        if (data.trim() && ours(parentElement)) found.push(data.trim());
+        const text = parentElement.querySelector(":scope > wbr") ? parentElement.textContent : data;
+        if (text.trim() && ours(parentElement)) found.push(text.trim());
     }
     for (const each of document.querySelectorAll("*"))
         for (const name of ["aria-label", "title", "placeholder", "aria-valuetext"])
