@@ -198,17 +198,19 @@ function Distance({ of }: { of: RefObject<HTMLElement | null> }) {
 }
 
 const MAP = { width: 160, height: 110 };
-/** Where the small map may be; the buttons are at the bottom left. */
+/** The width that the buttons at the bottom left can have [px]. */
+const BUTTONS = 256;
+/** Where the small map may be. */
 const CORNERS = ["top-right", "bottom-right", "top-left"] as const;
 type Corner = (typeof CORNERS)[number];
 
-/** The first corner of a view where the small map covers no box. */
+/** The first corner of a view where the small map covers no box and no button. */
 function freeCorner(boxes: readonly (Point & { right: number; bottom: number })[], wide: number, high: number): Corner | undefined {
   const [across, down] = [MAP.width + 16, MAP.height + 16];
   return CORNERS.find((corner) => {
     const isLeft = corner === "top-left";
     const isLow = corner === "bottom-right";
-    return !boxes.some((each) => (isLeft ? each.x < across : each.right > wide - across) && (isLow ? each.bottom > high - down : each.y < down));
+    return !(isLow && wide < BUTTONS + across) && !boxes.some((each) => (isLeft ? each.x < across : each.right > wide - across) && (isLow ? each.bottom > high - down : each.y < down));
   });
 }
 
