@@ -22,7 +22,7 @@ from rtgen import runtime
 from rtgen.cli import run as rtgen
 from rtgen.facts.version import __version__
 from rtgen.runtime import xcdr
-from rtgen.runtime.distribution import local_runs
+from rtgen.runtime.distribution import local_runs, local_server
 from rtgen.runtime.distribution.local_link import LocalLink
 from rtgen.runtime.distribution.local_listener import ServedRun
 from rtgen.runtime.distribution.medium import MediumError
@@ -164,9 +164,7 @@ def test_states_are_asked_for(page: Watching, run: Running) -> None:
 
 
 def give(page: Watching, number: float) -> None:
-    data = xcdr.serialize(
-        TimedDouble(Time(1, 2), number), xcdr.representation_of(TimedDouble, 1)
-    )
+    data = xcdr.serialize(TimedDouble(Time(1, 2), number), xcdr.representation_of(TimedDouble, 1))
     page.done("injected", ui.Inject(ui.PortAddress("Counting0", "in"), data))
 
 
@@ -287,6 +285,49 @@ def test_the_command_lists_the_runs_that_it_cannot_choose_from(
     assert "without SYSTEM" in capsys.readouterr().err
 
 
+def test_a_run_ends_while_a_program_attaches(begin: Begin, monkeypatch: pytest.MonkeyPatch) -> None:
+    run = begin()
+    waits = threading.Event()
+
+    class Lock:
+        """A lock that tells when somebody has to wait for it."""
+
+        def __init__(self) -> None:
+            self._lock = threading.Lock()
+
+        def __enter__(self) -> None:
+            if not self._lock.acquire(blocking=False):
+                waits.set()
+                self._lock.acquire()
+
+        def __exit__(self, *_: object) -> None:
+            self._lock.release()
+
+    endings: list[threading.Thread] = []
+    start = local_server._Client.start
+
+    def start_at_the_end(client: Any) -> None:
+        if not endings:
+            endings.append(threading.Thread(target=run.end))
+            endings[0].start()
+            until(lambda: waits.is_set() or not endings[0].is_alive())
+        start(client)
+
+    create = local_server.RunServer.__init__
+
+    def create_with_lock(server: Any, *arguments: Any) -> None:
+        create(server, *arguments)
+        server._lock = Lock()
+
+    monkeypatch.setattr(local_server.RunServer, "__init__", create_with_lock)
+    monkeypatch.setattr(local_server._Client, "start", start_at_the_end)
+    link = LocalLink(run.path, lambda: None)
+    until(lambda: link.end)
+    endings[0].join()
+    link.close()
+    assert waits.is_set()
+
+
 def test_others_cannot_enter_the_folder(folder: Path) -> None:
     assert local_runs.folder().stat().st_mode & 0o777 == 0o700
     folder.chmod(0o755)
@@ -341,9 +382,7 @@ def test_samples_that_are_too_long_are_left_out(
     with LocalLink(run.path) as link:
         until(lambda: "Wide0" in link.instances)
         there = RemotePort("Wide0", "out")
-        link.listen(
-            there, TimedOctetSeq, lambda value: received.append(len(value.data))
-        )
+        link.listen(there, TimedOctetSeq, lambda value: received.append(len(value.data)))
 
         def is_received() -> bool:
             for size in (3000, 100):

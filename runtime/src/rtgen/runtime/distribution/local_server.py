@@ -110,7 +110,8 @@ class RunServer:
             if len(self._clients) == 1:
                 self.system.add_listener(self._tap)
                 self.system.clock.traffic.watch(self._tap.on_traffic)
-        client.start()
+            # `close` waits for the threads of each client.
+            client.start()
 
     def leave(self, client: _Client) -> None:
         """Forget a client."""
