@@ -104,7 +104,7 @@ def test_keys_zoom_and_move_the_cursor(page: Any, pose: Any) -> None:
 
 
 def test_the_table_has_the_values_at_the_cursor(page: Any, pose: Any) -> None:
-    # Also not that of the mouse of the test before.
+    page.mouse.move(5, 5)  # where the test before has left it may be a plot
     cursor = pose.get_by_role("status", name="Time at the cursor")
     until(page, lambda: cursor.inner_text() == "")
     newest = float(cells(pose)[0])
