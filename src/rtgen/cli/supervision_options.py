@@ -11,7 +11,7 @@ from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.transports import ACTIVATED, TAKES
 
 _NOT_PASSED_ON = frozenset(
-    {"system", "clock", "until", "settings", "nameserver", "form", "colour"}
+    {"system", "clock", "until", "settings", "nameserver", "form", "colour", "language"}
     | {"supervise", "groups", "restarts", "quiet"}
 )
 """Options of `rtgen run` that are compatible with `--supervise`, but not passed on unchanged."""

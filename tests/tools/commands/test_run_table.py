@@ -341,6 +341,23 @@ def test_supervised_processes_are_told_all(
         assert "--until 5" in words
 
 
+@pytest.mark.parametrize(
+    "words",
+    [
+        ["--language", "ja", "run", "--supervise", "never"],
+        ["run", "--supervise", "never", "--language=ja"],
+    ],
+)
+def test_supervised_processes_speak_the_language(
+    project: Path, monkeypatch: pytest.MonkeyPatch, words: list[str]
+) -> None:
+    monkeypatch.setattr(supervision, "Supervisor", Workers)
+    told(BENCH, REAL, DDS)
+    assert run(words) == 0
+    for command in Workers.commands:
+        assert "--language ja" in " ".join(command)
+
+
 @pytest.mark.parametrize("words", [[], ["--told"]])
 def test_a_part_of_the_system_is_not_recorded(
     words: list[str],

@@ -21,6 +21,7 @@ from typing import TYPE_CHECKING
 
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.diagnostics.printable import printable
+from rtgen.compiler.kit.translation import language
 from rtgen.compiler.model import System
 from rtgen.compiler.systems.rules import NOTICE
 from rtgen.facts.extras import installation
@@ -112,6 +113,7 @@ def commands(
         names = ",".join(name for name in order if name in group)
         command = [sys.executable, "-m", "rtgen", "run", options.system]
         command += ["--told", "--clock", "real", "--only", names, *more]
+        command += ["--language", language()]
         if options.until is not None and (decisive is None or decisive in group):
             command += ["--until", options.until]
         for value, text in zip(plan.values, options.settings, strict=True):

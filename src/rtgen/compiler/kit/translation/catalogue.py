@@ -11,6 +11,7 @@ import gettext
 import re
 from collections.abc import Mapping
 from functools import cache
+from itertools import pairwise
 from pathlib import Path
 from string import Formatter
 from typing import NamedTuple
@@ -25,12 +26,19 @@ WORD = "word"
 """The context of words that stand alone; in texts, `state` is a name of a definition."""
 _CONTEXT = "\4"
 """Between a context and its text in a compiled catalogue."""
+_PLACE = ["", " (in [", "])"]
+"""The constant parts of a text with the section that it is about."""
 _MAX_DEPTH = 4
 """Insertions that are messages themselves, such as reasons, are translated up to this depth."""
 _MOST_TEXT = 8000
 _QUOTE = "'"
+_QUOTES = ("'", '"', "`")
+_JOINT = "\ue000"
+"""Around insertions, while they are put into a text."""
+_OF_JAPANESE = "[\u3041-\u30ff\u4e00-\u9fff]"
+_JOINTS = re.compile(f"(?<={_OF_JAPANESE}) ?{_JOINT} ?(?={_OF_JAPANESE})|{_JOINT}")
 _SAID_OF = re.compile(
-    r"(?P<subject>'[^']*'|\"[^\"]*\"|\[[^]]*\]|\S+) (?P<what>.+)", re.DOTALL
+    r"(?P<subject>'[^']*'|\"[^\"]*\"|\[[^]]*\]|\S+) (?P<what>\S+ .+)", re.DOTALL
 )
 """A value, and what is said of it, which is a text of its own."""
 _FEW = 16
@@ -40,20 +48,26 @@ _PROSE = re.compile(
     r"|\b(?:the|not|is|are|its?|which|this|that|them)\b"
     r"|(?:^| )(?:a|an|of|out|and|has|with) | (?:a|an|of|out|and|has|with|too)$"
 )
+_ADDITION = re.compile(r"[;:] | \(|, which ")
 _QUOTED = re.compile(r"'[^']*'|`[^`]*`|\"[^\"]*\"")
 
 
 class Template:
     """The constant parts of a text with insertions; `size` is the number of their characters.
 
-    A template `joins` texts if it has no letters itself, such as `{0}: {1}`.
+    A template `joins` texts if it has no letters itself, such as `{0}: {1}`. A name that is
+    `quoted` is the same in all languages.
     """
 
-    __slots__ = ("joins", "parts", "size")
+    __slots__ = ("joins", "parts", "quoted", "size")
 
     def __init__(self, text: str) -> None:
         self.parts = constant_parts(text)
         self.size = sum(map(len, self.parts))
+        self.quoted = [
+            before[-1:] == after[:1] and after[:1] in _QUOTES
+            for before, after in pairwise(self.parts)
+        ]
         self.joins = not any(map(str.isalpha, "".join(self.parts)))
 
     def values(self, text: str) -> list[str] | None:
@@ -64,8 +78,11 @@ class Template:
             return None
         values = []
         start = len(first)
-        for part in inner:
-            found = _found(part, text, start, end)
+        for number, part in enumerate(inner):
+            if part:
+                found = _found(part, text, start, end)
+            else:
+                found = _seam(text, start, end, next(filter(None, inner[number:]), ""))
             if found < 0:
                 return None
             values.append(text[start:found])
@@ -90,6 +107,21 @@ def _found(part: str, text: str, start: int, end: int) -> int:
     return first
 
 
+def _joined(template: str, values: list[str]) -> str:
+    """Return a text with its insertions; spaces that set off names go between Japanese words."""
+    return _JOINTS.sub("", template.format(*(f"{_JOINT}{v}{_JOINT}" for v in values)))
+
+
+def _seam(text: str, start: int, end: int, part: str) -> int:
+    """Return where the first of two insertions with nothing between them ends, or -1.
+
+    The second one is an addition, which begins with a mark, or empty. `part` follows the two.
+    """
+    limit = _found(part, text, start, end) if part else end
+    seam = _ADDITION.search(text, start, limit) if limit >= 0 else None
+    return seam.start() if seam else limit
+
+
 def constant_parts(template: str) -> list[str]:
     """Return the parts of a template around its insertions: one more than these."""
     parts = [""]
@@ -112,8 +144,15 @@ class Catalogue:
                 self._plain[template.parts[0]] = text.format()
             elif template.size:
                 self._templates.append((template, text))
-        # Of equal size, `{0}; {1}` comes before `{0}: {1}`, which is a part of it.
-        self._templates.sort(key=lambda each: (-each[0].size, ": " in each[0].parts))
+        # What says a place behind a text comes first; of equal size, `{0}; {1}` comes before
+        # `{0}: {1}`, which is a part of it.
+        self._templates.sort(
+            key=lambda each: (
+                each[0].parts != _PLACE,
+                -each[0].size,
+                ": " in each[0].parts,
+            )
+        )
 
     def translated(self, text: str) -> str:
         """Return a text in this language; unchanged if it is made from no template."""
@@ -131,12 +170,17 @@ class Catalogue:
             values = template.values(text)
             if values is None:
                 continue
-            inner = [self._whole(value, depth - 1) for value in values]
-            found = [
-                each or _Translation(value, is_whole=not _is_prose(value))
-                for value, each in zip(values, inner, strict=True)
+            inner = [
+                None if quoted and " " not in value else self._whole(value, depth - 1)
+                for value, quoted in zip(values, template.quoted, strict=True)
             ]
-            shown = translation.format(*(each.text for each in found))
+            found = [
+                each or _Translation(value, is_whole=quoted or not _is_prose(value))
+                for value, each, quoted in zip(
+                    values, inner, template.quoted, strict=True
+                )
+            ]
+            shown = _joined(translation, [each.text for each in found])
             if all(each.is_whole for each in found):
                 return _Translation(shown)
             tells = any(inner) if template.joins else template.size >= _FEW
