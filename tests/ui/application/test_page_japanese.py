@@ -116,7 +116,7 @@ def test_the_choice_of_a_language_is_remembered(
     page.get_by_label(texts("File of the system")).fill("a.txt")
     page.get_by_role("button", name=texts("Save"), exact=True).click()
     said = page.get_by_role("alert").inner_text()
-    assert "XML ファイルでも YAML ファイルでもない" in said, said
+    assert "XML ファイルでも YAML ファイルでもありません" in said, said
     page.get_by_role("button", name=texts("Dismiss notice")).click()
     page.get_by_role("button", name="言語: 日本語").click()
     page.get_by_role("menuitem", name="English").click()
@@ -208,7 +208,7 @@ def test_texts_of_messages_are_translated_and_names_stay() -> None:
     assert in_language(ui.Event.of_outcome(value), "ja").outcome.text == "undo"
     refused = ui.Result(request=1, done=False, message="Odometry0 has no port 'move'")
     outcome = in_language(ui.Event.of_outcome(refused), "ja").outcome
-    assert outcome.message == "Odometry0 にポート 'move' はない"
+    assert outcome.message == "Odometry0 にポート 'move' はありません"
 
 
 def test_the_page_is_in_the_language_of_its_server(
