@@ -2,7 +2,7 @@
 
 import { Command } from "cmdk";
 import type { Command as Order, Component, SystemState } from "./protocol/Ui.ts";
-import { stateOf, store } from "./store.ts";
+import { obstacleToAll, stateOf, store } from "./store.ts";
 import { languages, t } from "./texts.ts";
 import type { View } from "./views.ts";
 import { LAYOUTS, PRESETS, VIEWS, titleOf } from "./views.ts";
@@ -31,10 +31,12 @@ interface Props {
 export function Commands({ system, full, component, close, select, open, arrange, help, rename }: Props) {
   const { time, edits } = system;
   const simulated = time.kind === "CLOCK_SIMULATED";
-  const item = (name: string, act: () => void, keys = "", more = "") => (
+  const obstacle = obstacleToAll(system);
+  const item = (name: string, act: () => void, keys = "", more = "", disabled = false) => (
     <Command.Item
       key={name}
       value={name}
+      disabled={disabled}
       onSelect={() => {
         close();
         act();
@@ -46,6 +48,7 @@ export function Commands({ system, full, component, close, select, open, arrange
     </Command.Item>
   );
   const order = (name: string, asked: Order, keys = "", more = "") => item(name, () => void store.order(asked), keys, more);
+  const orderAll = (name: string, asked: Order) => item(name, () => void store.order(asked), "", obstacle, obstacle !== "");
   return (
     <Command.Dialog open onOpenChange={(shown) => shown || close()} label={t("Find a command")} overlayClassName="veil" contentClassName="dialog commands" filter={rank} loop>
       <Command.Input placeholder={t("Command, component, view, system")} />
@@ -56,9 +59,9 @@ export function Commands({ system, full, component, close, select, open, arrange
             {simulated && order(time.playing ? t("Pause") : t("Play"), time.playing ? { case: "paused", value: true } : { case: "played", value: true }, "Space")}
             {simulated && !time.playing && order(t("Step"), { case: "step", value: 0 }, ".")}
             {simulated && order(t("Go to the beginning"), { case: "time", value: 0 })}
-            {order(t("Activate all"), { case: "activated", value: [] })}
-            {order(t("Deactivate all"), { case: "deactivated", value: [] })}
-            {order(t("Reset all"), { case: "restored", value: [] })}
+            {orderAll(t("Activate all"), { case: "activated", value: [] })}
+            {orderAll(t("Deactivate all"), { case: "deactivated", value: [] })}
+            {orderAll(t("Reset all"), { case: "restored", value: [] })}
             {edits.undo && order(t("Undo"), { case: "undone", value: true }, "Ctrl Z", edits.undo)}
             {edits.redo && order(t("Redo"), { case: "redone", value: true }, "Ctrl Y", edits.redo)}
           </Command.Group>

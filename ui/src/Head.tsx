@@ -8,7 +8,7 @@ import { Menu } from "./Menu.tsx";
 import type { Place } from "./Menu.tsx";
 import type { EditState, SystemState } from "./protocol/Ui.ts";
 import type { Page } from "./store.ts";
-import { store } from "./store.ts";
+import { obstacleToAll, store } from "./store.ts";
 import { LANGUAGES, language, languages, t } from "./texts.ts";
 import { LAYOUTS, PRESETS } from "./views.ts";
 
@@ -136,6 +136,9 @@ interface Shown {
 /** The system's file, the palette, and all components at once: in the head, or behind `More` on a phone. */
 export function Tools({ page: { system }, full, adding, add }: Shown) {
   if (!system) return null;
+  const obstacle = obstacleToAll(system);
+  const enabled = full && !obstacle;
+  const tip = (name: string) => [name, obstacle].filter(Boolean).join(": ");
   return (
     <>
       {system.systems.length > 1 && <Systems system={system} full={full} />}
@@ -146,11 +149,11 @@ export function Tools({ page: { system }, full, adding, add }: Shown) {
         </Button>
       )}
       <div className="group" role="group" aria-label={t("All components")}>
-        <Button icon={Play} disabled={!full} aria-label={t("Activate all")} title={t("Activate all components")} onClick={() => store.order({ case: "activated", value: [] })}>
+        <Button icon={Play} disabled={!enabled} aria-label={t("Activate all")} title={tip(t("Activate all components"))} onClick={() => store.order({ case: "activated", value: [] })}>
           {t("All")}
         </Button>
-        <IconButton icon={Square} label={t("Deactivate all")} disabled={!full} onClick={() => store.order({ case: "deactivated", value: [] })} />
-        <IconButton icon={RotateCcw} label={t("Reset all")} disabled={!full} onClick={() => store.order({ case: "restored", value: [] })} />
+        <IconButton icon={Square} label={t("Deactivate all")} tip={tip(t("Deactivate all"))} disabled={!enabled} onClick={() => store.order({ case: "deactivated", value: [] })} />
+        <IconButton icon={RotateCcw} label={t("Reset all")} tip={tip(t("Reset all"))} disabled={!enabled} onClick={() => store.order({ case: "restored", value: [] })} />
       </div>
     </>
   );

@@ -21,27 +21,47 @@ const BACK = 10;
 /** Marks nearer than this to the mouse are told [px]. */
 const NEAR = 6;
 
-/** Plays a recording as fast as it was recorded; at its end, from its beginning. */
+/** Chooses a speed of the time; 0: as fast as possible. */
+function Speed({ speeds, speed, disabled, choose }: { speeds: readonly number[]; speed: number; disabled: boolean; choose: (speed: number) => void }) {
+  return (
+    <label>
+      <span className="announced">{t("Speed")}</span>
+      <select aria-label={t("Speed")} title={t("Speed")} disabled={disabled} value={speed} onChange={(e) => choose(Number(e.target.value))}>
+        {[...new Set([...speeds, speed])].map((each) => (
+          <option key={each} value={each}>
+            {each ? `${each}×` : t("fastest")}
+          </option>
+        ))}
+      </select>
+    </label>
+  );
+}
+
+/** Plays a recording, first as fast as it was recorded; at its end, from its beginning. */
 function Player({ now, first, last }: { now: number; first: number; last: number }) {
   const [playing, play] = useState(false);
+  const [speed, setSpeed] = useState(1);
   const over = now >= last;
   useEffect(() => {
     if (!playing || over) return;
-    const next = setTimeout(() => void store.look(Math.min(now + FRAME, last)), 1000 * FRAME);
+    const next = setTimeout(() => void store.look(Math.min(now + FRAME * speed, last)), 1000 * FRAME);
     return () => clearTimeout(next);
-  }, [playing, over, now, last]);
+  }, [playing, speed, over, now, last]);
   const isPlaying = playing && !over;
   return (
-    <IconButton
-      icon={isPlaying ? Pause : Play}
-      look="primary"
-      label={isPlaying ? t("Pause") : t("Play")}
-      disabled={last <= first}
-      onClick={() => {
-        if (over) void store.look(first);
-        play(!isPlaying);
-      }}
-    />
+    <>
+      <IconButton
+        icon={isPlaying ? Pause : Play}
+        look="primary"
+        label={isPlaying ? t("Pause") : t("Play")}
+        disabled={last <= first}
+        onClick={() => {
+          if (over) void store.look(first);
+          play(!isPlaying);
+        }}
+      />
+      <Speed speeds={SPEEDS.filter(Boolean)} speed={speed} disabled={last <= first} choose={setSpeed} />
+    </>
   );
 }
 
@@ -156,16 +176,7 @@ export function TimeBar({ system, full, lines, live, brief }: { system: SystemSt
         {recording && <Player now={time.now} first={time.first} last={time.last} />}
         <output aria-label={t("Time of the run")}>{time.now.toFixed(3)} s</output>
         {simulated && !brief && (
-          <label>
-            <span className="announced">{t("Speed")}</span>
-            <select aria-label={t("Speed")} title={t("Speed")} disabled={!full} value={time.speed} onChange={(e) => store.order({ case: "speed", value: Number(e.target.value) })}>
-              {[...new Set([...SPEEDS, time.speed])].map((speed) => (
-                <option key={speed} value={speed}>
-                  {speed ? `${speed}×` : t("fastest")}
-                </option>
-              ))}
-            </select>
-          </label>
+          <Speed speeds={SPEEDS} speed={time.speed} disabled={!full} choose={(speed) => void store.order({ case: "speed", value: speed })} />
         )}
       </div>
       <div className="line">

@@ -516,6 +516,10 @@ export const stateOf = ({ current, finishes }: Pick<Component, "current" | "fini
 export const stateClass = (component: Pick<Component, "current" | "finishes">): string =>
   stateOf(component) === "FINISHED" ? "FINISHED" : component.current;
 
+/** Why a command for all components can do nothing; empty if it can. */
+export const obstacleToAll = ({ components }: Pick<SystemState, "components">): string =>
+  !components.length ? t("The system has no components yet.") : components.every((each) => each.place) ? t("Components of other processes are controlled one by one.") : "";
+
 export const stateName = (state: Component["current"]): string => state.replace("STATE_", "");
 
 export const store = new Store();

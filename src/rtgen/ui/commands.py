@@ -301,10 +301,19 @@ class Commands:
     # Components.
 
     def _request(self, what: str, instances: Sequence[str]) -> None:
-        """Request a state of components; without names, of all components that can enter it."""
+        """Request a state of components; without names, of all that this process runs.
+
+        Raises CommandError for named components that cannot enter it, or if none of all can.
+        """
         system = self._session.system
         request: Callable[[str], ReturnCode_t] = getattr(system, what)
         chosen = list(instances) or system.activation_order(system.instances)
+        if not chosen:
+            raise CommandError(
+                IMPOSSIBLE,
+                "this process runs no components",
+                "components of other processes are controlled one by one",
+            )
         answers = {instance: request(instance) for instance in chosen}
         wrong = [
             f"{instance}: {code.name}"
@@ -313,6 +322,10 @@ class Commands:
         ]
         if instances and wrong:
             raise CommandError(WRONG_STATE, "; ".join(wrong))
+        if len(wrong) == len(chosen):
+            raise CommandError(
+                WRONG_STATE, f"{what}: no component is in a state for it"
+            )
         if not self._session.runner.playing and self._session.runner.is_simulated:
             self._session.notice("waiting", "", f"{what}: takes effect with time")
 

@@ -92,9 +92,9 @@ class Recorded:
     # Pages.
 
     def join(self, page: Outbox) -> None:
-        """Send a new page the greeting and the end of the recording."""
+        """Send a new page the greeting and the beginning of the recording."""
         hello = ui.Hello(version=ui.VERSION, server=self.name, full=False)
-        self._look(page, self.history.last, ui.Event.of_greeting(hello))
+        self._look(page, self.history.first, ui.Event.of_greeting(hello))
 
     def leave(self, page: Outbox) -> None:
         """Do nothing: pages have no state here."""

@@ -170,6 +170,10 @@ def test_what_is_not_possible_says_so(page: Watching) -> None:
     cut = page.ask("connection", "wire")
     assert not cut.done
     assert "only watched" in cut.message
+    for request in ("activated", "deactivated", "restored"):
+        result = page.ask(request, [])
+        assert (result.done, result.code) == (False, "UIS0009")
+        assert "one by one" in result.hint
 
 
 def test_a_process_that_ends_is_told_and_comes_back(

@@ -47,6 +47,18 @@ def test_a_run_is_controlled_to_its_end_and_beyond(
             page.get_by_role("button", name="Activate Source0", exact=True).click()
             box.get_by_text("ACTIVE 100 Hz").wait_for()
             assert violations(page) == []
+            for name in ("Activate all", "Deactivate all", "Reset all"):
+                everyone = page.get_by_role("button", name=name, exact=True)
+                assert everyone.is_disabled()
+            everyone.hover()
+            tip = page.get_by_role("tooltip").filter(has_text="one by one")
+            tip.wait_for()
+            page.keyboard.press("Escape")
+            tip.wait_for(state="detached")
+            page.keyboard.press("Control+k")
+            choice = page.get_by_role("option", name="Deactivate all", disabled=True)
+            choice.get_by_text("one by one").wait_for()
+            page.keyboard.press("Escape")
             first.end("it was interrupted")
             page.get_by_role("alert").get_by_text("it was interrupted").wait_for()
             assert violations(page) == []

@@ -94,6 +94,18 @@ def test_they_are_steered_and_configured(
 
 
 @pytest.mark.nightly
+def test_they_are_not_controlled_all_at_once(page: Any) -> None:
+    for name in ("Activate all", "Deactivate all", "Reset all"):
+        everyone = page.get_by_role("button", name=name, exact=True)
+        assert everyone.is_disabled()
+    everyone.hover()
+    tip = page.get_by_role("tooltip").filter(has_text="one by one")
+    tip.wait_for()
+    page.keyboard.press("Escape")
+    tip.wait_for(state="detached")
+
+
+@pytest.mark.nightly
 def test_lines_between_their_boxes_are_drawn(
     page: Any, session: Session, names: str
 ) -> None:

@@ -84,6 +84,27 @@ def test_one_is_played_and_scrubbed(
     assert add.is_disabled()
 
 
+def test_it_begins_at_its_beginning_and_has_speeds(
+    browser: Any, server: Server, session: Recorded, look: tuple[int, str]
+) -> None:
+    last = session.history.last
+    with opened(browser, server.address(full=True), look) as page:
+        page.locator(".wiring[aria-busy=false] .react-flow__node").first.wait_for()
+        assert shown(page) == session.history.first
+        speed = page.get_by_label("Speed")
+        assert speed.input_value() == "1"
+        speed.select_option("10")
+        play = page.get_by_role("button", name="Play")
+        assert play.is_enabled()
+        play.click()
+        until(page, lambda: shown(page) == last)
+        speed.select_option("0.1")
+        play.click()
+        until(page, lambda: 0.0 < shown(page) < 0.3 * last)
+        page.get_by_role("button", name="Pause").click()
+        assert shown(page) < 0.5 * last
+
+
 CELLS = """rows => rows.map(
     row => [...row.querySelectorAll("td")].map(each => each.textContent)
 )"""

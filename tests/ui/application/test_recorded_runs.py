@@ -75,6 +75,7 @@ def test_two_recordings_are_scrubbed_beside_each_other(recorded: Server) -> None
         page = Page(socket)
         assert (page.whole.name, page.whole.beside) == ("short.mcap", "long.mcap")
         assert page.clock.kind.name == "CLOCK_RECORDING"
+        assert page.clock.now == page.clock.first == 0.0
         assert 1.9 < page.clock.last <= 2.0
         follower = next(
             c for c in page.whole.components if c.instance == "PathFollower0"

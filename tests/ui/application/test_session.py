@@ -129,6 +129,10 @@ def test_states_are_asked_for_and_told(bench: Bench, page: Page) -> None:
     page.done("deactivated", [])
     page.done("step", 0.2)
     assert {system.state(each) for each in system.instances} == {INACTIVE_STATE}
+    for request in ("deactivated", "restored"):
+        result = page.ask(request, [])
+        assert (result.done, result.code) == (False, "UIS0006")
+        assert "no component is in a state for it" in result.message
     page.done("activated", [])
     page.done("step", 0.2)
     assert {system.state(each) for each in system.instances} == {ACTIVE_STATE}
