@@ -164,7 +164,9 @@ def test_states_are_asked_for(page: Watching, run: Running) -> None:
 
 
 def give(page: Watching, number: float) -> None:
-    data = xcdr.serialize(TimedDouble(Time(1, 2), number), xcdr.representation_of(TimedDouble, 1))
+    data = xcdr.serialize(
+        TimedDouble(Time(1, 2), number), xcdr.representation_of(TimedDouble, 1)
+    )
     page.done("injected", ui.Inject(ui.PortAddress("Counting0", "in"), data))
 
 
@@ -285,7 +287,9 @@ def test_the_command_lists_the_runs_that_it_cannot_choose_from(
     assert "without SYSTEM" in capsys.readouterr().err
 
 
-def test_a_run_ends_while_a_program_attaches(begin: Begin, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_run_ends_while_a_program_attaches(
+    begin: Begin, monkeypatch: pytest.MonkeyPatch
+) -> None:
     run = begin()
     waits = threading.Event()
 
@@ -382,7 +386,9 @@ def test_samples_that_are_too_long_are_left_out(
     with LocalLink(run.path) as link:
         until(lambda: "Wide0" in link.instances)
         there = RemotePort("Wide0", "out")
-        link.listen(there, TimedOctetSeq, lambda value: received.append(len(value.data)))
+        link.listen(
+            there, TimedOctetSeq, lambda value: received.append(len(value.data))
+        )
 
         def is_received() -> bool:
             for size in (3000, 100):
