@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import tempfile
+from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
 
@@ -27,9 +28,10 @@ pytestmark = [pytest.mark.slow, pytest.mark.nightly]
 def test_a_run_is_controlled_to_its_end_and_beyond(
     browser: Any, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    with tempfile.TemporaryDirectory(prefix="rtgen") as folder:
+    with tempfile.TemporaryDirectory(prefix="rtgen") as folder, ExitStack() as stack:
         monkeypatch.setenv(local_runs.FOLDER, str(Path(folder)))
         first = Running()
+        stack.callback(first.end)
         project = Project(QUIET, [])
         link = RunLink(first.path)
 
@@ -63,13 +65,13 @@ def test_a_run_is_controlled_to_its_end_and_beyond(
             page.get_by_role("alert").get_by_text("it was interrupted").wait_for()
             assert violations(page) == []
             second = Running()
+            stack.callback(second.end)
             page.get_by_role("alert").wait_for(state="detached")
             box.get_by_text("INACTIVE 100 Hz").wait_for()
             box.focus()
             page.keyboard.press("Shift+F10")
             page.get_by_role("menuitem", name="Activate", exact=True).press("Enter")
             box.get_by_text("ACTIVE 100 Hz", exact=False).wait_for()
-        second.end()
 
 
 def test_its_bus_is_shown_and_commanded(
