@@ -142,7 +142,9 @@ _FLAWS = """([contrast, least, part]) => {
     }
     const texts = document.createTreeWalker(document.querySelector(part), NodeFilter.SHOW_TEXT);
     while (texts.nextNode()) {
-        const { data, parentElement } = texts.currentNode;
+        const { parentElement } = texts.currentNode;
+        const inParts = parentElement.querySelector(":scope > wbr");
+        const data = inParts ? parentElement.textContent : texts.currentNode.data;
         let at = parentElement;
         if (!/[\u202a-\u202e\u2066-\u2069]/.test(data) || !seen(at)) continue;
         const style = () => getComputedStyle(at);

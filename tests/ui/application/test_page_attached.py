@@ -93,8 +93,9 @@ def test_its_bus_is_shown_and_commanded(
             page.keyboard.press("Control+k")
             page.get_by_placeholder("Command, component").fill("View Bus")
             page.keyboard.press("Enter")
-            page.get_by_text("heartbeat").first.wait_for()
-            page.get_by_text("operational").first.wait_for()
+            bus = page.locator("[data-view=Buses]")
+            bus.get_by_text("heartbeat").first.wait_for()
+            bus.get_by_text("operational").first.wait_for()
             assert violations(page) == []
 
 
