@@ -118,8 +118,10 @@ _FLAWS = """([contrast, least, part]) => {
             && (each.scrollWidth > each.clientWidth + 1
                 || each.scrollHeight > each.clientHeight + 3))
             cut(each, each.value ?? each.textContent);
-        const { width: across } = each.getBoundingClientRect();
-        const drawn = parseFloat(style.fontSize) * across / (each.offsetWidth || across);
+        let block = each;
+        while (getComputedStyle(block).display === "inline") block = block.parentElement;
+        const { width: across } = block.getBoundingClientRect();
+        const drawn = parseFloat(style.fontSize) * across / (block.offsetWidth || across);
         if (own && drawn < least) flaws.push(`small ${drawn.toFixed(1)} px: ${about(each)}`);
         const off = each.closest(":disabled, [aria-disabled=true]");
         if (own && !off) {
