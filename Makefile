@@ -127,7 +127,6 @@ test-openrtm: $(VENV)/test.stamp
 
 # The fast tests again on another interpreter, those with peers left out, with the coverage of lines.
 # Each commit tries one; `tests/interpreters.py --all` tries all that this machine has.
-# With a lower priority than the tests beside them, which wait for each other's processes.
 interpreters: interpreter
 	$(MAKE) --no-print-directory interpreted
 
@@ -136,7 +135,7 @@ interpreter: $(VENV)/uv.stamp
 	$(BIN)/python tests/interpreters.py --install
 
 interpreted:
-	nice -n 5 $(BIN)/python tests/interpreters.py --installed
+	$(BIN)/python tests/interpreters.py --installed
 
 # The same on this interpreter with the lowest versions that pyproject.toml allows.
 lowest: $(VENV)/release.stamp

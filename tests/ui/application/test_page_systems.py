@@ -60,8 +60,8 @@ BESIDE = (
     *("Buses", "Boards", "Console", "Timeline"),
 )
 """The views beside the wiring on a desk."""
-JUDGED = ("rh3_goal", "rh3_board")
-"""The systems that are judged each night; pictures are taken of all."""
+JUDGED = ("rh3_board",)
+"""The system that is judged each night; pictures are taken of all."""
 OF_ALL = (
     *("Wiring", "Values", "Connections", "Configuration", "Services"),
     *("Map", "Timeline"),
