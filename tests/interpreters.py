@@ -24,8 +24,8 @@ ROOT = Path(__file__).resolve().parent.parent
 MONITORED = ("3.12", "3.13")
 """Versions that can measure line coverage at hardly any cost."""
 
-PROCESSES = "3"
-"""Number of parallel test processes: more than processors, since many tests wait."""
+PROCESSES = "2"
+"""Number of parallel test processes."""
 
 SELECTED = "not slow and not peer and not random and (left_out or not nightly)"
 """The markers of the tests that are tried on further interpreters: all cases of sampled ones."""
