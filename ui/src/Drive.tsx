@@ -10,6 +10,8 @@ import { REST, command } from "./velocity.ts";
 
 /** Interval of commands while the stick is held [ms]. */
 const EVERY = 50;
+/** The longest time between two tries of a zero command [ms]. */
+const LONGEST_PAUSE = 1000;
 const DEAD = 0.12;
 const RADIUS = 55;
 
@@ -63,10 +65,16 @@ function gamepad(): Velocity {
   return pad ? { forward: -live(pad.axes[1]) || 0, turn: -live(pad.axes[0]) || 0, left: -live(pad.axes[2]) || 0 } : REST;
 }
 
-/** Sends commands while a deflection is held, and a zero command once when it is released. */
+/**
+ * Sends commands while a deflection is held, and a zero command when it is released.
+ *
+ * A zero command that is refused, or lost with the connection, is sent again until the server has taken it.
+ */
 class Stick {
   private moving = false;
   private last = 0;
+  /** The number of releases and commands; a new one ends the repetition of a zero command. */
+  private turn = 0;
   pointer: Partial<Velocity> = {};
   readonly keys = new Set<string>();
 
@@ -83,13 +91,13 @@ class Stick {
   tick(now: number): void {
     const held = this.deflection();
     if (isRest(held)) {
-      if (this.moving) this.send(REST);
-      this.moving = false;
+      this.rest();
     } else if (!this.moving || now - this.last >= EVERY) {
       this.last = now;
       this.moving = true;
+      this.turn++;
       const { speed, rate } = this.limits();
-      this.send({ forward: held.forward * speed, left: held.left * speed, turn: held.turn * rate });
+      void this.send({ forward: held.forward * speed, left: held.left * speed, turn: held.turn * rate });
     }
   }
 
@@ -97,15 +105,36 @@ class Stick {
   stop(): void {
     this.keys.clear();
     this.pointer = {};
-    if (this.moving) this.send(REST);
+    this.rest();
+  }
+
+  private rest(): void {
+    if (this.moving) void this.sendRest(++this.turn);
     this.moving = false;
   }
 
-  private send(velocity: Velocity): void {
-    const { address, command: made } = this.target;
-    void store.ask({ case: "injected", value: { port: address, data: made.sample(velocity) as Uint8Array<ArrayBuffer> } }).then((result) => {
-      if (!result.done) store.notify(`${this.target.name}: ${result.message}`);
-    });
+  private async sendRest(turn: number): Promise<void> {
+    for (let pause = EVERY; !(await this.send(REST)); pause = Math.min(2 * pause, LONGEST_PAUSE)) {
+      await new Promise((resume) => setTimeout(resume, pause));
+      if (turn !== this.turn || !this.exists()) return;
+    }
+  }
+
+  /** Whether the port may take commands, as far as the page knows. */
+  private exists(): boolean {
+    const { instance, port } = this.target.address;
+    const { link, system } = store.page;
+    const component = system?.components.find((each) => each.instance === instance);
+    return link !== "refused" && (!system || component?.ports.some((each) => each.name === port) === true);
+  }
+
+  /** Returns whether the server has taken the command. */
+  private async send(velocity: Velocity): Promise<boolean> {
+    const { address, command: made, name } = this.target;
+    const data = made.sample(velocity) as Uint8Array<ArrayBuffer>;
+    const result = await store.ask({ case: "injected", value: { port: address, data } });
+    if (!result.done) store.notify(`${name}: ${result.message}`);
+    return result.done;
   }
 }
 

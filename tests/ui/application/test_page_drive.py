@@ -11,6 +11,10 @@ from typing import Any
 import pytest
 from ui_bench import ROOT, WIDE, anew, by_keyboard, choose, pick, reach, until
 
+from rtgen.runtime import System
+from rtgen.ui.calls import Injector
+from rtgen.ui.errors import IMPOSSIBLE, CommandError
+from rtgen.ui.protocol import ui
 from rtgen.ui.session import Session
 
 pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
@@ -138,6 +142,28 @@ def test_a_robot_stops_when_the_page_is_left(
     until(stick, lambda: speed(session, "RefHard0") < 0.01)
     stick.evaluate(SHOW)
     stick.keyboard.up("KeyW")
+
+
+@wide_only
+def test_a_robot_stops_although_the_first_stop_is_refused(
+    stick: Any, session: Session, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    put, refusals = Injector.put, []
+
+    def refuse(self: Injector, system: System, command: ui.Inject) -> None:
+        if not any(command.data[4:]) and len(refusals) < 3:
+            refusals.append(command)
+            raise CommandError(IMPOSSIBLE, "too many commands wait")
+        put(self, system, command)
+
+    monkeypatch.setattr(Injector, "put", refuse)
+    take(stick, "RefHard0").focus()
+    stick.keyboard.down("KeyW")
+    until(stick, lambda: speed(session, "RefHard0") > 0.15)
+    stick.keyboard.up("KeyW")
+    until(stick, lambda: speed(session, "RefHard0") < 0.01)
+    assert len(refusals) == 3
+    assert {each.port.port for each in refusals} == {"moving_command"}
 
 
 def test_a_gamepad_drives_sideways(stick: Any, session: Session) -> None:
