@@ -54,8 +54,8 @@ test: $(VENV)/uv.stamp
 	$(MAKE) --no-print-directory -j 4 pytest waits $(if $(WING),,lint types imports drift)
 
 # What takes longer: tests marked `nightly`, the random tests with other inputs, drawn by the seed of the
-# commit (RTGEN_SEED=N sets another), the fast tests on a further interpreter with the coverage of lines,
-# and what a release consists of.
+# commit (RTGEN_SEED=N sets another), half of the fast tests on a further interpreter (RTGEN_BUDGET=1: all,
+# with the coverage of lines), and what a release consists of.
 nightly: export RTGEN_SEED ?= $(shell $(PYTHON) tests/seeds.py)
 nightly: $(VENV)/uv.stamp $(VENV)/release.stamp page
 	$(MAKE) --no-print-directory -j 4 dear codecs interpreters release
@@ -112,7 +112,7 @@ WAITING = $(shell grep -rl --include='*.py' mark.waits $(FOLDER))
 
 define PYTEST
 $(BIN)/pytest -n $(or $(3),2) --dist worksteal --assert=plain -o cache_dir=$(1) $(2) || \
-    { $(BIN)/pytest -q -o cache_dir=$(1) --last-failed --last-failed-no-failures none; exit 1; }
+    $(BIN)/python tests/unsteady.py $$? $(1)
 endef
 
 # The OpenRTM-aist-Python of test-openrtm, soak and bench: SITE is the folder that has its package
@@ -125,7 +125,7 @@ test-openrtm: $(VENV)/test.stamp
 	    { echo "make test-openrtm SITE=FOLDER: there is no $(SITE)/OpenRTM_aist" >&2; exit 2; }
 	$(OPENRTM) $(BIN)/pytest tests/openrtm
 
-# The fast tests again on another interpreter, those with peers left out, with the coverage of lines.
+# The fast tests again on another interpreter, those with peers left out.
 # Each commit tries one; `tests/interpreters.py --all` tries all that this machine has.
 interpreters: interpreter
 	$(MAKE) --no-print-directory interpreted

@@ -90,6 +90,9 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("random")
         if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
+        name = item.path.relative_to(TESTS).as_posix()
+        if not (seeds.is_for_all() or seeds.has_turn(name)):
+            item.add_marker("postponed")
 
 
 def _leave_to_nightly(items: Iterable[pytest.Item]) -> None:
@@ -127,6 +130,12 @@ def _turn(item: pytest.Item) -> tuple[bool, bool]:
     """What is run later is greater."""
     last = item.path.parent == TESTS / "openrtm"
     return last, last and item.get_closest_marker("longest") is None
+
+
+@pytest.hookimpl(optionalhook=True)
+def pytest_handlecrashitem(crashitem: str) -> None:
+    """End the run if one of its processes has crashed, which no repetition excuses."""
+    pytest.exit(f"a process crashed during {crashitem}", pytest.ExitCode.INTERNAL_ERROR)
 
 
 def pytest_collection_finish() -> None:

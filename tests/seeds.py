@@ -4,7 +4,7 @@
 draws by a seed that depends on the commit, `make fuzz` other inputs each time. `RTGEN_SEED` sets
 a seed, for example that of a failed run, which pytest prints in its header. `RTGEN_BUDGET`
 multiplies the numbers of drawn inputs that tests state, by default 0.2; the workflow takes 5
-each night, `make fuzz` 30.
+each night, `make fuzz` 30. From 1 on, a further interpreter tries all tests instead of a half.
 """
 
 from __future__ import annotations
@@ -12,6 +12,7 @@ from __future__ import annotations
 import math
 import os
 import subprocess
+import zlib
 from functools import cache
 from pathlib import Path
 
@@ -50,8 +51,21 @@ def seed() -> int:
 
 def budget(count: int, *, least: int = 1) -> int:
     """Return `count` times `RTGEN_BUDGET`, but not fewer than `least`."""
-    share = float(os.environ.get("RTGEN_BUDGET", "0.2"))
-    return max(least, math.ceil(count * share))
+    return max(least, math.ceil(count * _share()))
+
+
+def is_for_all() -> bool:
+    """Return whether the budget is for all tests on a further interpreter."""
+    return _share() >= 1
+
+
+def has_turn(name: str) -> bool:
+    """Return whether a test file is in the half that the seed chooses."""
+    return (zlib.crc32(name.encode()) + seed()) % 2 == 0
+
+
+def _share() -> float:
+    return float(os.environ.get("RTGEN_BUDGET", "0.2"))
 
 
 def cases(count: int, *, always: int = 0) -> list[int]:
