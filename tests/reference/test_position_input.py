@@ -169,7 +169,8 @@ def test_a_console_that_fails_is_not_the_end_of_the_work() -> None:
         return b.state is LifeCycleState.ERROR_STATE
 
     until(has_failed)
-    assert b.component.reason.startswith("on_execute: OSError: console: ")
+    assert b.component.reason.startswith("on_execute (")
+    assert "): OSError: console: " in b.component.reason
 
 
 def test_what_is_refused_is_sent_again(tmp_path: Path) -> None:

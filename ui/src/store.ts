@@ -287,6 +287,13 @@ export class Store {
     };
   }
 
+  /** Leaves out the report of a failure that a change of state tells as its reason. */
+  private forgetReport(instance: string, reason: string): void {
+    const at = this.page.lines.findLastIndex((each) => each.instance === instance);
+    const last = this.page.lines[at];
+    if (last?.kind === "error" && last.text.endsWith(`: ${reason}`)) this.page = { ...this.page, lines: this.page.lines.toSpliced(at, 1) };
+  }
+
   private announce(what: string, connection: Connection | undefined): void {
     if (!connection || this.retelling) return;
     const { source, target } = connection;
@@ -346,6 +353,7 @@ export class Store {
       case "change": {
         const { time, instance, after, reason } = event.value;
         this.component(instance, () => ({ current: after, reason }));
+        if (reason) this.forgetReport(instance, reason);
         const finishes = this.page.system?.components.find((each) => each.instance === instance)?.finishes ?? false;
         const name = stateOf({ current: after, finishes });
         this.line(time, instance, name + (reason ? `: ${reason}` : ""), name === "ERROR" ? "error" : "state");

@@ -16,7 +16,7 @@ from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
 from rtgen.compiler.model import System, SystemComponent
 from rtgen.compiler.systems import conditions
 from rtgen.facts.openrtm_ports import foreign_instances
-from rtgen.runtime.failures import Failure, described
+from rtgen.runtime.failures import Failure
 from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.timing.clocks import SECOND
@@ -463,8 +463,7 @@ class Session:
     def _failed(self, failure: Failure) -> None:
         if failure.error is None and failure.instance in self._finishing:
             return  # The change of state says that it has finished, and why.
-        what = failure.reason if failure.error is None else described(failure.error)
-        self.notice("error", failure.instance, f"{failure.callback}: {what}")
+        self.notice("error", failure.instance, failure.text)
 
     def _called(self, instance: str, text: str) -> None:
         self.notice("call", instance, text)

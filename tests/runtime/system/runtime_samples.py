@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 import struct
 from collections.abc import Callable
 from dataclasses import dataclass, field
@@ -24,6 +25,12 @@ from rtgen.runtime.marshalling.descriptors import (
 
 SECOND = 1_000_000_000
 MS = 1_000_000
+
+
+def placeless(reason: str) -> str:
+    """Return the reason of a failure without its place, which must be a line of the tests."""
+    before, after = re.split(r" \(tests/[^ ]+\.py:\d+\)", reason)
+    return before + after
 
 
 @dataclass(slots=True)

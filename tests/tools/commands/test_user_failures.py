@@ -244,7 +244,7 @@ def test_pdb_opens_in_the_failing_frame(project: Path, clock: str) -> None:
     assert done.returncode == 1
     assert "-> self.power.write(Powr(100.0" in done.stdout
     assert "Temperature(value=" in done.stdout
-    assert "Controller0: on_execute: NameError" in done.stdout
+    assert f"Controller0: on_execute ({CONTROLLER}:18): NameError" in done.stdout
 
 
 @pytest.mark.sampled(1)
@@ -256,7 +256,7 @@ def test_quit_at_a_breakpoint_ends_the_run(project: Path, clock: str) -> None:
     done = _rtgen(*WARM, "--clock", clock, stdin="p 6 * 7\nc\nq\n")
     assert done.returncode == 1
     assert "(Pdb) 42" in done.stdout
-    assert "Controller0: on_execute: BdbQuit" in done.stdout
+    assert f"Controller0: on_execute ({CONTROLLER}:18): BdbQuit" in done.stdout
     # In real time it may tick before there is a sample.
     ticks = "       2 " if clock == "sim" else ""
     assert f"Controller0  ERROR{ticks}" in done.stdout

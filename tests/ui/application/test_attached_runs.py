@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import socket
 import tempfile
 import threading
@@ -158,7 +159,8 @@ def test_states_are_asked_for(page: Watching, run: Running) -> None:
     page.until(lambda: page.state("Counting0") is ui.State.STATE_ACTIVE)
     give(page, -1.0)
     page.until(lambda: page.state("Counting0") is ui.State.STATE_ERROR)
-    assert "below zero" in page.components["Counting0"].reason
+    reason = page.components["Counting0"].reason
+    assert re.match(r"on_execute \(\S+\.py:\d+\): ValueError: below zero", reason)
     page.done("restored", ["Counting0"])
     page.until(lambda: page.state("Counting0") is ui.State.STATE_INACTIVE)
 

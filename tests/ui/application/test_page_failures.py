@@ -32,6 +32,11 @@ STRONGEST = """each => {
     const parts = stripe.backgroundColor.match(/[0-9]+/g).map(Number);
     return ["red", "green", "blue"][parts.indexOf(Math.max(...parts))];
 }"""
+COLOUR = """each => {
+    const parts = getComputedStyle(each).color.match(/[0-9]+/g).map(Number);
+    return ["red", "green", "blue"][parts.indexOf(Math.max(...parts))];
+}"""
+"""The strongest part of the colour of a text."""
 HUES = {"ACTIVE": "green", "INACTIVE": "blue", "ERROR": "red"}
 """The colours of states in RT System Editor."""
 
@@ -46,7 +51,9 @@ class Fragile(runtime.Component):
     def on_execute(self, ec_id: int) -> runtime.ReturnCode_t:
         if self.late:
             time.sleep(2.5 / self.profile.rate)
-        return runtime.RTC_ERROR if self.fails else runtime.RTC_OK
+        if self.fails:
+            raise ValueError("too hot: 7.0")
+        return runtime.RTC_OK
 
 
 class Project(CommandProject):
@@ -96,9 +103,19 @@ def test_one_that_fails_is_reset(
     component.fails = True
     box = state_is(page, session, "ERROR")
     lines = page.locator(".panel").get_by_role("listitem")
-    lines.filter(has_text=re.compile(r"Fragile0 ERROR: \S")).first.wait_for()
+    # The place of the raise is told once, in red.
+    place = r"tests/ui/application/test_page_failures\.py:\d+"
+    reason = re.compile(rf"on_execute \({place}\): ValueError: too hot: 7\.0$")
+    said = lines.filter(has_text="too hot")
+    said.filter(
+        has_text=re.compile(rf"Fragile0 ERROR: {reason.pattern}")
+    ).first.wait_for()
+    assert all(" ERROR: " in each for each in said.all_inner_texts())
+    assert said.first.evaluate(COLOUR) == "red"
     page.get_by_role("tab", name="Values").click()
-    page.locator(".panel .reason").wait_for()
+    told = page.locator(".panel .reason").filter(has_text=reason)
+    told.wait_for()
+    assert told.evaluate(COLOUR) == "red"
     component.fails = False
     open_menu(box, press)
     choose(page, "Reset", press)

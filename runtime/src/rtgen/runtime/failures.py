@@ -5,11 +5,14 @@ from __future__ import annotations
 import logging
 import select
 import sys
+import traceback
+from traceback import FrameSummary
 from typing import TextIO
 
 import msgspec
 
-from rtgen.runtime.errors import CallbackError
+from rtgen.runtime.errors import BlockedError, CallbackError
+from rtgen.runtime.stack_frames import own_frames, shown
 from rtgen.runtime.timing.clocks import SECOND
 
 log = logging.getLogger("rtgen.runtime")
@@ -39,6 +42,13 @@ class Failure(msgspec.Struct, frozen=True):
     def __str__(self) -> str:
         what = self.reason if self.error is None else described(self.error)
         return f"{self.instance}.{self.callback} at {self.time / SECOND:.3f} s: {what}"
+
+    @property
+    def text(self) -> str:
+        """The callback, the place of an exception, and the reason, in one line."""
+        if self.reason.startswith(self.callback):
+            return self.reason
+        return f"{self.callback}{_place(self.error)}: {self.reason}"
 
 
 def log_failure(failure: Failure) -> None:
@@ -81,6 +91,27 @@ def has_lost_its_reader(stream: TextIO | None) -> bool:
     except (OSError, ValueError):
         return False  # It is closed, or not a file.
     return any(event & select.POLLERR for _, event in poll.poll(0))
+
+
+def failed_call(callback: str, error: BaseException, what: str = "") -> str:
+    """Return `CALLBACK (FILE:LINE): Kind: message`; `what` replaces the text of the exception."""
+    return f"{callback}{_place(error)}: {what or described(error)}"
+
+
+def frames_of(error: BaseException) -> list[FrameSummary]:
+    """Return the frames that led to an exception; of a callback that it names, one at its place."""
+    match error:
+        case CallbackError(code=code) if code is not None:
+            return [FrameSummary(code.co_filename, code.co_firstlineno, code.co_name)]
+        case BlockedError():
+            return [FrameSummary(error.file, error.line, error.callback)]
+    return list(traceback.extract_tb(error.__traceback__))
+
+
+def _place(error: BaseException | None) -> str:
+    """Return ` (FILE:LINE)` of the user's own line that led to an exception; empty if none did."""
+    own = own_frames(frames_of(error)) if error is not None else []
+    return f" ({shown(own[-1].filename)}:{own[-1].lineno})" if own else ""
 
 
 def described(error: BaseException) -> str:

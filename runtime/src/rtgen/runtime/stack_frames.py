@@ -2,15 +2,19 @@
 
 from __future__ import annotations
 
+import importlib
 import os
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
+from traceback import FrameSummary
 from types import FrameType
 
 import rtgen
 
 _RTGEN = tuple(str(Path(folder).resolve()) + os.sep for folder in rtgen.__path__)
+IMPORTING = ("<", str(Path(importlib.__file__).parent))
+"""File names of the import system, at which tracebacks of imports begin."""
 _DEBUGGER = (f"{os.sep}pdb.py", f"{os.sep}bdb.py")
 
 
@@ -36,6 +40,17 @@ def is_rtgens(file: str) -> bool:
 def is_users(file: str) -> bool:
     """Return whether a file belongs to the user."""
     return not file.startswith((*_RTGEN, "<", *_installed()))
+
+
+def own_frames(frames: Sequence[FrameSummary]) -> list[FrameSummary]:
+    """Return the frames in the user's own files; else those of other packages; never rtgen's."""
+    for is_candidate in (
+        is_users,
+        lambda file: not (is_rtgens(file) or file.startswith(IMPORTING)),
+    ):
+        if own := [frame for frame in frames if is_candidate(frame.filename)]:
+            return own
+    return []
 
 
 def is_debugger(frame: FrameType) -> bool:

@@ -18,7 +18,7 @@ from rtgen.compiler.systems.conditions import Condition
 from rtgen.compiler.systems.measures import Measure
 from rtgen.compiler.systems.rules import BLOCKED, MEASURE, OBSERVABLE, SKIPPED
 from rtgen.runtime.distribution.local_listener import ServedRun
-from rtgen.runtime.failures import Failure, described, ends_run
+from rtgen.runtime.failures import Failure, ends_run
 from rtgen.runtime.services.transports import ForeignTransport, ProcessTransport
 from rtgen.runtime.system.recording import JsonLinesRecorder
 from rtgen.runtime.system.records import StateRecord
@@ -205,9 +205,7 @@ class _Run:
 
         def on_failure(failure: Failure) -> None:
             if failure.error is not None or failure.instance not in finishing:
-                error = failure.error
-                what = failure.reason if error is None else described(error)
-                tell("error", failure.instance, f"{failure.callback}: {what}")
+                tell("error", failure.instance, failure.text)
             report(failure)
 
         def on_notice(finding: Diagnostic) -> None:

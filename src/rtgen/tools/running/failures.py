@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import importlib
 import linecache
 import logging
 import os
 import sys
-import traceback
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 from dataclasses import dataclass
@@ -22,10 +20,10 @@ from rtgen.compiler.project import shown
 from rtgen.compiler.systems.rules import BLOCKED, CALL, IMPORT, NOTICE, RAISED
 from rtgen.compiler.systems.timeline import Call as TimelineCall
 from rtgen.compiler.systems.timeline import Step
-from rtgen.runtime import BlockedError, CallbackError, Failure, ObservableError
-from rtgen.runtime.failures import NOTE, described, ends_run
+from rtgen.runtime import Failure, ObservableError
+from rtgen.runtime.failures import NOTE, described, ends_run, frames_of
 from rtgen.runtime.rtc.logs import LOGGERS, instance_of
-from rtgen.runtime.stack_frames import is_rtgens, is_users
+from rtgen.runtime.stack_frames import IMPORTING, is_users, own_frames
 from rtgen.runtime.system.json_calls import Outcome
 from rtgen.runtime.system.watchdog import Call, calls_under_way
 from rtgen.runtime.timing.clocks import SECOND
@@ -36,8 +34,6 @@ from rtgen.tools.running.texts import outcome_text
 
 _QUIET_STATES = ("on_activated", "on_execute", "on_state_update", "on_rate_changed")
 """Callbacks whose error code leads to ERROR, which the final report shows."""
-_IMPORTING = ("<", str(Path(importlib.__file__).parent))
-"""File names of the import system, at which tracebacks of imports begin."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -256,8 +252,8 @@ def place(error: BaseException) -> Span | None:
         file = shown(Path(error.filename))
         same = (error.end_lineno or line) == line and end > column
         return Span(file, line, column, line, end if same else column + 1)
-    frames = _own(_frames(error))
-    importing = (*_IMPORTING, factories.__file__)
+    frames = own_frames(frames_of(error))
+    importing = (*IMPORTING, factories.__file__)
     if not frames or frames[-1].filename.startswith(importing):
         return None
     return _span(frames[-1])
@@ -267,7 +263,7 @@ def traceback_text(error: BaseException, form: str) -> str:
     """Return the traceback: `short` only has the user's own files, `full` all frames."""
     described = TracebackException.from_exception(error, compact=True)
     if not described.stack:
-        described.stack = StackSummary.from_list(_frames(error))
+        described.stack = StackSummary.from_list(frames_of(error))
     todo: list[TracebackException | None] = [described]
     while todo:
         one = todo.pop()
@@ -277,33 +273,12 @@ def traceback_text(error: BaseException, form: str) -> str:
                 one.filename = shown(Path(one.filename))
                 frames = [f for f in frames if is_users(f.filename)]
             elif form == "short":
-                frames = _own(frames)
+                frames = own_frames(frames)
             summary = StackSummary.from_list([_relative(f) for f in frames])
             # Without frames, the exception alone is printed.
             one.stack = summary if frames else None  # type: ignore[assignment]
             todo += [one.__cause__, one.__context__, *(one.exceptions or ())]
     return printable("".join(described.format()), "\n\t")
-
-
-def _frames(error: BaseException) -> list[FrameSummary]:
-    match error:
-        case CallbackError(code=code) if code is not None:
-            return [FrameSummary(code.co_filename, code.co_firstlineno, code.co_name)]
-        case BlockedError():
-            return [FrameSummary(error.file, error.line, error.callback)]
-    return list(traceback.extract_tb(error.__traceback__))
-
-
-def _own(frames: list[FrameSummary]) -> list[FrameSummary]:
-    """Return the frames in the user's own files; else those of other packages; never rtgen's."""
-    for is_candidate in (
-        is_users,
-        lambda f: not (is_rtgens(f) or f.startswith(_IMPORTING)),
-    ):
-        frames_shown = [frame for frame in frames if is_candidate(frame.filename)]
-        if frames_shown:
-            return frames_shown
-    return []
 
 
 def _relative(frame: FrameSummary) -> FrameSummary:

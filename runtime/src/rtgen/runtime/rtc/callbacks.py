@@ -6,7 +6,7 @@ from types import CodeType
 from typing import Protocol
 
 from rtgen.runtime.errors import EndOfRunError, ParametersError, ReturnValueError
-from rtgen.runtime.failures import described
+from rtgen.runtime.failures import failed_call
 from rtgen.runtime.return_codes import RTC_ERROR, RTC_OK, ReturnCode_t
 
 _CODES = frozenset(map(int, ReturnCode_t))
@@ -54,7 +54,7 @@ def note_exception(
     if isinstance(error, TypeError) and trace is not None and trace.tb_next is None:
         # The call itself failed, so there is no frame of the callback.
         error = ParametersError(str(error), _code(component, callback))
-    component._failed(callback, f"{callback}: {described(error)}", error)
+    component._failed(callback, failed_call(callback, error), error)
 
 
 def note_answer(component: CallbackOwner, callback: str, code: object) -> None:
@@ -64,7 +64,8 @@ def note_answer(component: CallbackOwner, callback: str, code: object) -> None:
         component._failed(callback, f"{callback}: returned {ReturnCode_t(code).name}")
         return
     error = ReturnValueError(repr(code), _code(component, callback))
-    component._failed(callback, f"{callback}: returned {code!r}", error)
+    what = failed_call(callback, error, f"returned {code!r}")
+    component._failed(callback, what, error)
 
 
 def _code(component: CallbackOwner, callback: str) -> CodeType | None:
