@@ -120,9 +120,9 @@ def _leave_to_nightly(items: Iterable[pytest.Item]) -> None:
 
 def _is_tried_on_each(item: pytest.Item) -> bool:
     """Return whether the further interpreter of `make nightly` runs a case (`interpreters`)."""
-    folders = [TESTS.parent / each for each in TRIED_ONCE]
+    once = [TESTS.parent / each for each in TRIED_ONCE]
     return not any(map(item.get_closest_marker, ("slow", "peer"))) and not any(
-        each in item.path.parents for each in folders
+        item.path.is_relative_to(each) for each in once
     )
 
 

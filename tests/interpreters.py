@@ -35,8 +35,15 @@ SELECTED = (
 
 ENVIRONMENTS = ROOT / "build" / "interpreters"
 
-TRIED_ONCE = ("tests/interop", "tests/fuzz", "tests/tools/packages")
-"""Comparisons with peers and random inputs are the same on each interpreter.
+TRIED_ONCE = (
+    "tests/interop",
+    "tests/fuzz",
+    "tests/tools/packages",
+    "tests/compiler/texts/test_catalogue.py",
+    "tests/compiler/test_circles.py",
+    "tests/test_sources.py",
+)
+"""Comparisons with peers, random inputs and the sources are the same on each interpreter.
 
 In other folders they have the markers `peer` and `random`.
 """

@@ -123,12 +123,17 @@ def modules() -> Sequence[ast.Module]:
 
 
 @cache
+def _nodes(tree: ast.Module) -> Sequence[ast.AST]:
+    return [*ast.walk(tree)]
+
+
+@cache
 def texts_of_sources() -> frozenset[str]:
     """Return all templates of the sources, whatever they are for."""
     texts = {
         text
         for tree in modules()
-        for node in ast.walk(tree)
+        for node in _nodes(tree)
         if isinstance(node, ast.Constant | ast.JoinedStr | ast.BinOp)
         for text in templates(node)
     }
@@ -390,23 +395,25 @@ def _printed_texts(functions: frozenset[str]) -> frozenset[str]:
 
 
 def _printed(tree: ast.Module, printing: frozenset[str]) -> Iterator[str]:
-    functions = {n.name: n for n in ast.walk(tree) if isinstance(n, ast.FunctionDef)}
-    values = _assigned(tree)
-    for call in (node for node in ast.walk(tree) if isinstance(node, ast.Call)):
+    arguments: list[ast.expr] = []
+    for call in _nodes(tree):
         match call:
             case ast.Call(
                 func=ast.Name(id=name) | ast.Attribute(attr=name), args=[text, *_]
             ) if (name in printing):
-                pass
+                arguments.append(text)
             case ast.Call(func=ast.Name(id="map"), args=[ast.Name(id=name), text]) if (
                 name in printing
             ):
-                pass
-            case _:
-                continue
-        for found in _texts(text, values, functions):
+                arguments.append(text)
+    if not arguments:
+        return
+    functions = {n.name: n for n in _nodes(tree) if isinstance(n, ast.FunctionDef)}
+    values = _assigned(_nodes(tree))
+    for argument in arguments:
+        for template in _texts(argument, values, functions):
             # Lines are translated one by one.
-            yield from filter(None, map(str.strip, found.split("\n")))
+            yield from filter(None, map(str.strip, template.split("\n")))
 
 
 def plain(text: str) -> str:
@@ -423,13 +430,14 @@ def placeholders(template: str) -> list[str]:
 def _said(tree: ast.Module) -> Iterator[tuple[str, str]]:
     functions = [
         node
-        for node in ast.walk(tree)
+        for node in _nodes(tree)
         if isinstance(node, ast.FunctionDef | ast.AsyncFunctionDef)
     ]
     by_name = {function.name: function for function in functions}
     for function in functions:
-        values = _assigned(function)
-        for call in ast.walk(function):
+        nodes = [*ast.walk(function)]
+        values = _assigned(nodes)
+        for call in nodes:
             if isinstance(call, ast.Call):
                 codes = _codes_of(call)
                 arguments = [*call.args, *(k.value for k in call.keywords)]
@@ -462,9 +470,9 @@ def _texts(
             yield from templates(whole)
 
 
-def _assigned(function: ast.AST) -> dict[str, list[ast.expr]]:
+def _assigned(nodes: Iterable[ast.AST]) -> dict[str, list[ast.expr]]:
     values: dict[str, list[ast.expr]] = {}
-    for node in ast.walk(function):
+    for node in nodes:
         match node:
             case ast.Assign(targets=[ast.Name(id=name)], value=value):
                 values.setdefault(name, []).append(value)
@@ -563,8 +571,9 @@ def said_by_server() -> frozenset[str]:
         ]
         by_name = {function.name: function for function in functions}
         for function in functions:
-            values = _assigned(function)
-            for call in ast.walk(function):
+            nodes = [*ast.walk(function)]
+            values = _assigned(nodes)
+            for call in nodes:
                 if isinstance(call, ast.Call):
                     for argument in _for_pages(call):
                         texts.update(_texts(argument, values, by_name))

@@ -153,6 +153,11 @@ class Catalogue:
                 ": " in each[0].parts,
             )
         )
+        self._by_ends: dict[tuple[str, str], list[tuple[Template, str]]] = {}
+        self._ends = [
+            {template.parts[end][end:][:1] for template, _ in self._templates}
+            for end in (0, -1)
+        ]
 
     def translated(self, text: str) -> str:
         """Return a text in this language; unchanged if it is made from no template."""
@@ -166,7 +171,7 @@ class Catalogue:
         if depth == 0 or not 1 < len(text) <= _MOST_TEXT:
             return None
         mixed = None
-        for template, translation in self._templates:
+        for template, translation in self._candidates(text):
             values = template.values(text)
             if values is None:
                 continue
@@ -191,6 +196,21 @@ class Catalogue:
             if what is not None and (what.is_whole or said["subject"][0] == _QUOTE):
                 return what._replace(text=f"{said['subject']} {what.text}")
         return mixed
+
+    def _candidates(self, text: str) -> list[tuple[Template, str]]:
+        """Return the templates that begin and end with an insertion, or as a text does."""
+        first, last = (
+            text[end] if text[end] in known else ""
+            for end, known in zip((0, -1), self._ends, strict=True)
+        )
+        if (first, last) not in self._by_ends:
+            self._by_ends[first, last] = [
+                each
+                for each in self._templates
+                if each[0].parts[0][:1] in ("", first)
+                and each[0].parts[-1][-1:] in ("", last)
+            ]
+        return self._by_ends[first, last]
 
     def _whole(self, text: str, depth: int) -> _Translation | None:
         """Return the translation of an insertion; half of one would not be understood."""
