@@ -159,6 +159,7 @@ def _without_output(part: Block | Directive) -> Block | Directive:
 
 
 @pytest.mark.slow
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "page", JAPANESE, ids=lambda page: page.relative_to(ROOT).with_suffix("").as_posix()
 )
