@@ -4,7 +4,8 @@
 draws by a seed that depends on the commit, `make fuzz` other inputs each time. `RTGEN_SEED` sets
 a seed, for example that of a failed run, which pytest prints in its header. `RTGEN_BUDGET`
 multiplies the numbers of drawn inputs that tests state, by default 0.2; the workflow takes 5
-each night, `make fuzz` 30. From 1 on, a further interpreter tries all tests instead of a half.
+each night, `make fuzz` 30. From 1 on, all benchmarks are tried and all tests on a further
+interpreter, instead of a half of them.
 """
 
 from __future__ import annotations
@@ -55,12 +56,12 @@ def budget(count: int, *, least: int = 1) -> int:
 
 
 def is_for_all() -> bool:
-    """Return whether the budget is for all tests on a further interpreter."""
+    """Return whether the budget is for all of what a seed chooses a half of."""
     return _share() >= 1
 
 
 def has_turn(name: str) -> bool:
-    """Return whether a test file is in the half that the seed chooses."""
+    """Return whether a name is in the half that the seed chooses."""
     return (zlib.crc32(name.encode()) + seed()) % 2 == 0
 
 
