@@ -2,9 +2,13 @@
 
 from __future__ import annotations
 
+import json
 import math
+import subprocess
+import sys
 
 import pytest
+import usual_units
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -216,3 +220,28 @@ def test_texts_that_are_no_misspelt_units(text: str) -> None:
 @pytest.mark.parametrize("text", [*USUAL_SYMBOLS, *USUAL_NAMES])
 def test_suggested_units_are_units(text: str) -> None:
     parse_list(text)
+
+
+def test_usual_units_and_names_are_those_of_pint() -> None:
+    stored = json.loads(usual_units.FILE.read_text("utf-8"))
+    said = usual_units.content()
+    assert list(stored["units"]) == list(said["units"])
+    for symbol, unit in said["units"].items():
+        kept = parse(symbol)
+        assert kept.dimension == unit.dimension, symbol
+        assert kept[1:] == pytest.approx(unit[1:]), symbol
+    for kind in ("names", "prefixes"):
+        assert set(said[kind].split()) <= set(stored[kind].split())
+
+
+def test_usual_units_and_other_words_do_without_pint() -> None:
+    script = (
+        "import sys; from rtgen.compiler.kit.units import parse, UnknownSymbolError\n"
+        "for text in ('m/s^2', 'deg C', 'mNm/rad', 'kHz', 'counts/rev'): parse(text)\n"
+        "for word in ('cells', 'or', 'kwords'):\n"
+        "    try: parse(word)\n"
+        "    except UnknownSymbolError: pass\n"
+        "    else: sys.exit(word)\n"
+        "sys.exit('pint' in sys.modules)"
+    )
+    subprocess.run([sys.executable, "-c", script], check=True)

@@ -42,6 +42,7 @@ OWN_FILES = {
     "compiler/kit/resources.py idl_source",
     "compiler/kit/resources.py rh3_source",
     "compiler/kit/resources.py ros_source",
+    "compiler/kit/resources.py usual_units",
     "ui/server.py _index.serve",
 }
 """Readers of files that are installed with rtgen."""

@@ -5,6 +5,7 @@ from __future__ import annotations
 import json
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 _PACKAGE = Path(__file__).resolve().parents[2]
 _FOLDERS = (_PACKAGE / "grammars", _PACKAGE.parents[1] / "grammars")
@@ -18,6 +19,8 @@ IDL_FILES = (*OPENRTM_IDL, "Canopen.idl", "CanopenManager.idl")
 """The IDL files that definitions may include without having a copy."""
 
 _IDL = (Path(__file__).parent / "idl", _PACKAGE.parents[1] / "specs" / "idl")
+
+_USUAL_UNITS = Path(__file__).parent / "usual_units.json"
 
 _ROS = _PACKAGE / "ros2" / "interfaces"
 
@@ -86,6 +89,12 @@ def implemented_idl() -> dict[str, str]:
     """Return the keys of the IDL files with types in the runtime, and their digests."""
     digests = json.loads(idl_source("implemented.json"))
     return {idl_key(name): digest for name, digest in digests.items()}
+
+
+def usual_units() -> dict[str, Any]:
+    """Return what pint says about usual units, and its names of units and prefixes."""
+    content: dict[str, Any] = json.loads(_USUAL_UNITS.read_text("utf-8"))
+    return content
 
 
 @cache

@@ -3,7 +3,8 @@
 A text is a product of symbols with exponents, as SI and UCUM write them: `m/s^2`, `rad.s-1`,
 `kg*m²`, `0.001 rpm`, `J/(kg K)`, `10*3.m`, `[in_i]`. Units after a comma are those of several
 members, in their order: `m, rad`. pint defines the symbols. Unlike in SI, an angle is a dimension
-here, so that `rad/s` and `Hz` differ.
+here, so that `rad/s` and `Hz` differ. What pint says about usual symbols is in `usual_units.json`,
+as are the words that it knows: to import pint takes longer than to check a project.
 """
 
 from __future__ import annotations
@@ -15,6 +16,7 @@ from functools import cache, lru_cache
 from math import inf, ulp
 from typing import TYPE_CHECKING, Any, Final, NamedTuple
 
+from rtgen.compiler.kit.resources import usual_units
 from rtgen.facts.unit_symbols import (
     DEFINITIONS,
     PHRASES,
@@ -252,8 +254,48 @@ def _checked(unit: Unit) -> Unit:
     return unit
 
 
+class _Usual(NamedTuple):
+    """Units by symbol, and the names of all of pint's units and prefixes."""
+
+    units: dict[str, Unit]
+    names: frozenset[str]
+    prefixes: tuple[str, ...]
+
+    def may_know(self, symbol: str) -> bool:
+        """Return whether a symbol may be a name with or without a prefix, or its plural."""
+        rests = (
+            symbol.removeprefix(prefix)
+            for prefix in ("", *self.prefixes)
+            if symbol.startswith(prefix)
+        )
+        return any(
+            rest in self.names or rest.removesuffix("s") in self.names for rest in rests
+        )
+
+
+@cache
+def _usual() -> _Usual:
+    content = usual_units()
+    units = {
+        symbol: Unit(tuple((n, e) for n, e in dimension), factor, offset)
+        for symbol, (dimension, factor, offset) in content["units"].items()
+    }
+    names, prefixes = content["names"].split(), content["prefixes"].split()
+    return _Usual(units, frozenset(names), tuple(prefixes))
+
+
 @lru_cache(1024)
 def _symbol(symbol: str) -> Unit:
+    usual = _usual()
+    unit = usual.units.get(symbol)
+    if unit is not None:
+        return unit
+    if not usual.may_know(symbol):
+        raise UnknownSymbolError(symbol)
+    return _defined_by_pint(symbol)
+
+
+def _defined_by_pint(symbol: str) -> Unit:
     from pint import PintError
 
     name = SYMBOLS.get(symbol, symbol)

@@ -208,8 +208,12 @@ class Collector:
         return list(self._files)
 
     def indexes(self, texts: Mapping[str, Text]) -> Iterator[FileIndex]:
-        """Yield the indexes of the files with a text; `texts` are by displayed path."""
-        for file, names in self._files.items():
+        """Yield the indexes of the files with a text, whose names are then no longer collected.
+
+        `texts` are by displayed path.
+        """
+        for file in self.files:
+            names = self._files.pop(file)
             path = path_of(file)
             text = texts.get(file)
             if text is not None and is_file(
