@@ -6,6 +6,7 @@ import os
 import re
 import shutil
 import sys
+import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -20,6 +21,7 @@ from rtgen.compiler.frontends import FrontendResult
 from rtgen.compiler.frontends.kit.memo import Memo
 from rtgen.compiler.project import Project
 from rtgen.runtime import SimulatedClock
+from rtgen.runtime.distribution import local_runs
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.server import PAGE
 from rtgen.ui.serving import Server
@@ -147,6 +149,14 @@ def warm(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
     for name in [*sys.modules]:
         if name.partition(".")[0] in ("heating", "warmth"):
             del sys.modules[name]
+
+
+@pytest.fixture
+def sockets(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
+    """Yield the folder of the sockets of runs, whose path must be short."""
+    with tempfile.TemporaryDirectory(prefix="rtgen") as name:
+        monkeypatch.setenv(local_runs.FOLDER, name)
+        yield Path(name)
 
 
 _MEMO = Memo()

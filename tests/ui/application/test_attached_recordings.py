@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import json
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -14,20 +13,12 @@ from patience import until
 from ui_bench import GOAL, ROOT, Bench
 
 from rtgen.cli import run as rtgen
-from rtgen.runtime.distribution import local_runs
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.ui.protocol import ui
 
 FOURX = ROOT / "specs/canopen/fourx.xml"
+pytestmark = pytest.mark.usefixtures("sockets")
 PACED = ("--clock", "sim", "--rate", "1", "-q")
-
-
-@pytest.fixture(autouse=True)
-def folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Yield the folder of sockets, whose path must be short."""
-    with tempfile.TemporaryDirectory(prefix="rtgen") as name:
-        monkeypatch.setenv(local_runs.FOLDER, name)
-        yield Path(name)
 
 
 @pytest.fixture(scope="module")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import os
 import re
 import socket
-import tempfile
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
@@ -35,6 +34,7 @@ from rtgen.ui.peers_watcher import PeersWatcher
 from rtgen.ui.protocol import ui
 from rtgen.ui.session import Session
 
+pytestmark = pytest.mark.usefixtures("sockets")
 CLOCKS = {"real": runtime.RealClock, "simulated": runtime.SimulatedClock}
 
 
@@ -90,14 +90,6 @@ class Running:
     def path(self) -> Path:
         assert self.served.path is not None
         return self.served.path
-
-
-@pytest.fixture(autouse=True)
-def folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Yield the folder of sockets, whose path must be short."""
-    with tempfile.TemporaryDirectory(prefix="rtgen") as name:
-        monkeypatch.setenv(local_runs.FOLDER, name)
-        yield Path(name)
 
 
 Begin = Callable[..., Running]
@@ -334,20 +326,20 @@ def test_a_run_ends_while_a_program_attaches(
     assert waits.is_set()
 
 
-def test_others_cannot_enter_the_folder(folder: Path) -> None:
+def test_others_cannot_enter_the_folder(sockets: Path) -> None:
     assert local_runs.folder().stat().st_mode & 0o777 == 0o700
-    folder.chmod(0o755)
+    sockets.chmod(0o755)
     with pytest.raises(OSError, match="other users"):
         local_runs.runs()
-    folder.chmod(0o700)
+    sockets.chmod(0o700)
 
 
-def test_a_socket_without_a_process_is_removed(folder: Path) -> None:
+def test_a_socket_without_a_process_is_removed(sockets: Path) -> None:
     dead = socket.socket(socket.AF_UNIX)
-    dead.bind(str(folder / f"1{local_runs.SUFFIX}"))
+    dead.bind(str(sockets / f"1{local_runs.SUFFIX}"))
     dead.close()
     assert local_runs.runs() == []
-    assert [*folder.iterdir()] == []
+    assert [*sockets.iterdir()] == []
 
 
 @pytest.mark.parametrize("octets", [b"\xff" * 64, b"\0\0\0\2{}", b"\0\0\0\1"])
@@ -406,14 +398,14 @@ def test_samples_that_are_too_long_are_left_out(
 
 
 def test_a_socket_is_there_when_somebody_listens(
-    folder: Path, monkeypatch: pytest.MonkeyPatch, begin: Begin
+    sockets: Path, monkeypatch: pytest.MonkeyPatch, begin: Begin
 ) -> None:
     """Who looks for runs would remove one that refuses a connection."""
     before: list[Path] = []
 
     class Looking(socket.socket):
         def listen(self, *arguments: int) -> None:
-            before.extend(folder.glob(f"*{local_runs.SUFFIX}"))
+            before.extend(sockets.glob(f"*{local_runs.SUFFIX}"))
             super().listen(*arguments)
 
     with monkeypatch.context() as patched:
@@ -421,7 +413,7 @@ def test_a_socket_is_there_when_somebody_listens(
         run = begin()
     assert before == []
     assert [path for path, _ in local_runs.runs()] == [run.path]
-    assert [*folder.iterdir()] == [run.path]
+    assert [*sockets.iterdir()] == [run.path]
 
 
 def test_a_run_of_another_version_is_listed_and_refused(
@@ -453,9 +445,9 @@ def test_a_page_says_that_the_next_run_is_of_another_version(
     page.until(lambda: not page.session.time().ended)
 
 
-def test_what_greets_in_another_way_is_no_run(folder: Path) -> None:
+def test_what_greets_in_another_way_is_no_run(sockets: Path) -> None:
     listening = socket.socket(socket.AF_UNIX)
-    listening.bind(str(folder / f"1{local_runs.SUFFIX}"))
+    listening.bind(str(sockets / f"1{local_runs.SUFFIX}"))
     listening.listen()
 
     def greet() -> None:

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
-from collections.abc import Iterator
-from pathlib import Path
-
 import pytest
 from attached_program import running, watching
 from ui_bench import ROOT
@@ -20,15 +16,8 @@ BUS = ROOT / "specs/canopen/fourx.toml"
 BOARD = ROOT / "specs/tecs/rh3_board.xml"
 LEADERS = ROOT / "specs/experiments/leader_exchange"
 GOAL = ROOT / "specs/navigation/rh3_goal.xml"
+pytestmark = pytest.mark.usefixtures("sockets")
 PACED = ("--clock", "sim", "--rate", "1", "-q")
-
-
-@pytest.fixture(autouse=True)
-def folder(monkeypatch: pytest.MonkeyPatch) -> Iterator[Path]:
-    """Yield the folder of sockets, whose path must be short."""
-    with tempfile.TemporaryDirectory(prefix="rtgen") as name:
-        monkeypatch.setenv(local_runs.FOLDER, name)
-        yield Path(name)
 
 
 @pytest.mark.nightly

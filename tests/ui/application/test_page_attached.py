@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import tempfile
 from contextlib import ExitStack
 from pathlib import Path
 from typing import Any
@@ -16,20 +15,20 @@ from ui_bench import GOAL, QUIET, ROOT, WIDE, opened, serving
 
 from rtgen import runtime
 from rtgen.cli import run as rtgen
-from rtgen.runtime.distribution import local_runs
 from rtgen.ui.attaching import RunLink
 from rtgen.ui.peers_watcher import PeersWatcher
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.nightly]
+pytestmark = [
+    pytest.mark.slow,
+    pytest.mark.nightly,
+    pytest.mark.usefixtures("sockets"),
+]
 
 
-def test_a_run_is_controlled_to_its_end_and_beyond(
-    browser: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with tempfile.TemporaryDirectory(prefix="rtgen") as folder, ExitStack() as stack:
-        monkeypatch.setenv(local_runs.FOLDER, str(Path(folder)))
+def test_a_run_is_controlled_to_its_end_and_beyond(browser: Any) -> None:
+    with ExitStack() as stack:
         first = Running()
         stack.callback(first.end)
         project = Project(QUIET, [])
@@ -74,29 +73,25 @@ def test_a_run_is_controlled_to_its_end_and_beyond(
             box.get_by_text("ACTIVE 100 Hz", exact=False).wait_for()
 
 
-def test_its_bus_is_shown_and_commanded(
-    browser: Any, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_its_bus_is_shown_and_commanded(browser: Any) -> None:
     system = ROOT / "specs/canopen/fourx.xml"
     buses = {"": ROOT / "specs/canopen/fourx.toml"}
-    with tempfile.TemporaryDirectory(prefix="rtgen") as folder:
-        monkeypatch.setenv(local_runs.FOLDER, str(Path(folder)))
-        with (
-            running(str(system), "--clock", "sim", "--rate", "1", "-q") as program,
-            attached(program.path, buses=buses) as session,
-            serving(Server(session, "127.0.0.1", 0)) as server,
-            opened(browser, server.address(full=True), WIDE) as page,
-        ):
-            page.locator(".react-flow__node").first.wait_for()
-            overview = page.get_by_role("region", name="Buses")
-            overview.get_by_text("5 nodes").wait_for()
-            page.keyboard.press("Control+k")
-            page.get_by_placeholder("Command, component").fill("View Bus")
-            page.keyboard.press("Enter")
-            bus = page.locator("[data-view=Buses]")
-            bus.get_by_text("heartbeat").first.wait_for()
-            bus.get_by_text("operational").first.wait_for()
-            assert violations(page) == []
+    with (
+        running(str(system), "--clock", "sim", "--rate", "1", "-q") as program,
+        attached(program.path, buses=buses) as session,
+        serving(Server(session, "127.0.0.1", 0)) as server,
+        opened(browser, server.address(full=True), WIDE) as page,
+    ):
+        page.locator(".react-flow__node").first.wait_for()
+        overview = page.get_by_role("region", name="Buses")
+        overview.get_by_text("5 nodes").wait_for()
+        page.keyboard.press("Control+k")
+        page.get_by_placeholder("Command, component").fill("View Bus")
+        page.keyboard.press("Enter")
+        bus = page.locator("[data-view=Buses]")
+        bus.get_by_text("heartbeat").first.wait_for()
+        bus.get_by_text("operational").first.wait_for()
+        assert violations(page) == []
 
 
 def test_latencies_and_a_recording_beside_it(
@@ -105,27 +100,25 @@ def test_latencies_and_a_recording_beside_it(
     file = tmp_path / "slow.mcap"
     assert rtgen(["run", str(GOAL), "--until", "1", "--record", str(file), "-q"]) == 0
     monkeypatch.chdir(tmp_path)
-    with tempfile.TemporaryDirectory(prefix="rtgen") as folder:
-        monkeypatch.setenv(local_runs.FOLDER, str(Path(folder)))
-        with (
-            running(str(GOAL), "--clock", "sim", "--rate", "0.5", "-q") as program,
-            attached(program.path) as session,
-            serving(Server(session, "127.0.0.1", 0)) as server,
-            opened(browser, server.address(full=True), WIDE) as page,
-        ):
-            page.locator(".react-flow__node").first.wait_for()
-            latency = page.get_by_role("region", name="Latency")
-            latency.get_by_text("median").first.wait_for()
-            latency.get_by_role("button").first.click()
-            page.get_by_role("row", name="latency").first.wait_for()
-            assert violations(page) == []
-            compare = page.get_by_role("button", name="Compare with a recording")
-            compare.press("Enter")
-            page.get_by_role("menuitem", name="slow.mcap").press("Enter")
-            page.get_by_role("button", name="Beside: slow.mcap").wait_for()
-            page.keyboard.press("Escape")  # the tip of the button with the focus
-            page.get_by_role("tooltip").wait_for(state="detached")
-            assert violations(page) == []
-            compare.click()
-            page.get_by_role("menuitem", name="Compare with nothing").click()
-            page.get_by_role("button", name="Keep beside").wait_for()
+    with (
+        running(str(GOAL), "--clock", "sim", "--rate", "0.5", "-q") as program,
+        attached(program.path) as session,
+        serving(Server(session, "127.0.0.1", 0)) as server,
+        opened(browser, server.address(full=True), WIDE) as page,
+    ):
+        page.locator(".react-flow__node").first.wait_for()
+        latency = page.get_by_role("region", name="Latency")
+        latency.get_by_text("median").first.wait_for()
+        latency.get_by_role("button").first.click()
+        page.get_by_role("row", name="latency").first.wait_for()
+        assert violations(page) == []
+        compare = page.get_by_role("button", name="Compare with a recording")
+        compare.press("Enter")
+        page.get_by_role("menuitem", name="slow.mcap").press("Enter")
+        page.get_by_role("button", name="Beside: slow.mcap").wait_for()
+        page.keyboard.press("Escape")  # the tip of the button with the focus
+        page.get_by_role("tooltip").wait_for(state="detached")
+        assert violations(page) == []
+        compare.click()
+        page.get_by_role("menuitem", name="Compare with nothing").click()
+        page.get_by_role("button", name="Keep beside").wait_for()
