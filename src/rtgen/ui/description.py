@@ -18,7 +18,7 @@ from rtgen.runtime.system.latency import Latency
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.member_units import MemberUnits, units_of
-from rtgen.tools.recording.recorder import cdr_encoder
+from rtgen.tools.recording.channels import cdr_encoder
 from rtgen.ui.protocol import ui
 from rtgen.ui.type_table import NO_TYPE, TypeTable
 

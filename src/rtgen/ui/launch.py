@@ -20,12 +20,17 @@ from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.kit.signals import terminable
 from rtgen.tools.running.engines import TAKES, EngineOptions
-from rtgen.tools.running.recording_options import RecordingOptions
+from rtgen.tools.running.recording_options import (
+    MAX_CHUNK_NS,
+    RecordingOptions,
+    tell_missing,
+)
 from rtgen.ui.bus_description import BusDescriber
 from rtgen.ui.project_systems import CommandProject
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.transport import NamedCorba
+    from rtgen.ui.peers_recorder import PeersRecorder
     from rtgen.ui.peers_watcher import Link
     from rtgen.ui.recorded import Recorded
     from rtgen.ui.remote_state import RemoteState
@@ -92,7 +97,7 @@ def served(
         if is_attached:
             session = _attached(options, console, buses)
         elif options.engine.transport in TAKES:
-            session = _joined(options, console, buses)
+            session = _joined(options, console, buses, closing)
         else:
             session = _running(options, console, buses, closing)
         server = Server(session, _LOOPBACK, options.port, tokens=tokens)
@@ -177,7 +182,9 @@ def _running(
         raise ToolError(str(error)) from error
 
 
-def _joined(options: UiOptions, console: Console, buses: Mapping[str, Path]) -> Session:
+def _joined(
+    options: UiOptions, console: Console, buses: Mapping[str, Path], closing: ExitStack
+) -> Session:
     """Return a session that watches the processes of a system over DDS or Zenoh.
 
     Raises InputError, Refusal, ToolError.
@@ -186,18 +193,51 @@ def _joined(options: UiOptions, console: Console, buses: Mapping[str, Path]) -> 
     from rtgen.ui.description import written_connection
 
     systems = options.own_systems
-    if options.name_servers or options.recording.file is not None or len(systems) > 1:
+    if options.name_servers or len(systems) > 1:
         raise Refusal(
             f"--transport {options.engine.transport} shows the run of one system: "
-            "without --nameserver and --record, which `rtgen run` has"
+            "without --nameserver"
         )
     project = CommandProject(console, systems, dict(buses))
     # Without a system, that of the partition is shown without its connections.
     profile = project.read(next(iter(systems), "")).profile
     name = options.engine.partition or profile.name
     connections = {each.name: written_connection(each) for each in profile.connections}
+    recording = _Recording(options.recording, console)
+    closing.callback(recording.tell)
     link = EngineLink(options.engine.open(name), connections)
-    return _watching(options, project, link, f"{options.engine.transport} {name}")
+    place = f"{options.engine.transport} {name}"
+    return _watching(options, project, link, place, recording)
+
+
+class _Recording:
+    """The recording of a run over a transport, if there is a file. Raises ToolError."""
+
+    def __init__(self, options: RecordingOptions, console: Console) -> None:
+        self._console = console
+        self._file = options.file
+        self._files = ExitStack()
+        self._recorder: PeersRecorder | None = None
+        self._writer = (
+            options.writer(self._files, options.file, MAX_CHUNK_NS)
+            if options.file
+            else None
+        )
+
+    def begin(self, report: Callable[[str, str], None]) -> PeersRecorder | None:
+        """Begin to record; `report` gets failures, of no component."""
+        if self._writer is None:
+            return None
+        from rtgen.ui.peers_recorder import PeersRecorder
+
+        failed = partial(report, "")
+        self._recorder = PeersRecorder(self._writer, self._files, failed)
+        return self._recorder
+
+    def tell(self) -> None:
+        """Report what the recording lacks."""
+        if self._recorder is not None:
+            tell_missing(self._console, self._file or "", self._recorder.missing)
 
 
 def _attached(
@@ -279,7 +319,11 @@ def _is_of_another_user(process: int) -> bool:
 
 
 def _watching(
-    options: UiOptions, project: CommandProject, link: Link, place: str
+    options: UiOptions,
+    project: CommandProject,
+    link: Link,
+    place: str,
+    recording: _Recording | None = None,
 ) -> Session:
     """Return a session that shows what other processes run."""
     from rtgen.ui.peers_watcher import PeersWatcher
@@ -290,7 +334,9 @@ def _watching(
     def attach(
         publish: Callable[[RemoteState], bool], report: Callable[[str, str], None]
     ) -> PeersWatcher:
-        return PeersWatcher(link, place, project.data_type, publish, report)
+        recorder = None if recording is None else recording.begin(report)
+        data_type = project.data_type
+        return PeersWatcher(link, place, data_type, publish, report, recorder=recorder)
 
     beside = next(iter(options.recordings), "")
     return Session(project, "", runtime.RealClock, recording=beside, attach=attach)

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from contextlib import suppress
 from dataclasses import replace as replace_fields
 from functools import partial
 from typing import TYPE_CHECKING, Any, Final, Protocol
@@ -26,7 +25,7 @@ from rtgen.runtime.system.json_calls import (
     values_of,
 )
 from rtgen.runtime.system.json_printers import plain
-from rtgen.tools.recording.recorder import cdr_encoder
+from rtgen.tools.recording.channels import cdr_encoder
 from rtgen.ui.calls import carried_out
 from rtgen.ui.description import STATES_BY_NAME, parameter
 from rtgen.ui.edits import Edit
@@ -35,13 +34,14 @@ from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import CommandKind, PortKind
 from rtgen.ui.remote_state import RemoteState
 from rtgen.ui.request_thread import RequestThread
-from rtgen.ui.watching import Key, Take
+from rtgen.ui.watching import Key, Take, Use
 
 if TYPE_CHECKING:
     from rtgen.runtime.distribution.local_runs import Event
     from rtgen.runtime.marshalling.descriptors import DataType
     from rtgen.runtime.services.servants import Servant
     from rtgen.ui.buses import Access
+    from rtgen.ui.peers_recorder import PeersRecorder
 
 _PERIOD: Final = 0.5
 """The time between two queries of all components [s]."""
@@ -95,7 +95,8 @@ class PeersWatcher:
     """Queries the components of a system, and carries out commands for them.
 
     `place` says where they are. `publish` is called with each new state, and again if it returned
-    False. `report` is called with a component's name and an error.
+    False. `report` is called with a component's name and an error. A `recorder` gets all of it, and
+    the samples of all OutPorts.
     """
 
     def __init__(
@@ -106,12 +107,14 @@ class PeersWatcher:
         publish: Callable[[RemoteState], bool],
         report: Callable[[str, str], None],
         period: float = _PERIOD,
+        recorder: PeersRecorder | None = None,
     ) -> None:
         self._link = link
         self._place = place
         self._data_type = data_type
         self._publish = publish
         self._report = report
+        self._recorder = recorder
         self._components: dict[str, ui.Component] = {}
         self._statistics: dict[str, ui.Statistics] = {}
         self._descriptions: dict[str, Description] = {}
@@ -120,6 +123,8 @@ class PeersWatcher:
         self._published = self._state
         self._takers: Mapping[Key, Take] = {}
         self._listened: Mapping[Key, Take] = self._takers
+        self._refused: set[Key] = set()
+        """OutPorts that give no samples."""
         self._taps: dict[Key, Subscription] = {}
         self._thread = RequestThread("rtgen-ui-peers", period, self._poll, self._settle)
         self.submit = self._thread.submit
@@ -145,6 +150,8 @@ class PeersWatcher:
         for tap in self._taps.values():
             tap.close()
         self._link.close()
+        if self._recorder is not None:
+            self._recorder.close()
 
     def watch(self, takers: Mapping[Key, Take]) -> None:
         """Receive the samples of only these OutPorts from now on; from any thread."""
@@ -161,6 +168,7 @@ class PeersWatcher:
             self._statistics.clear()
             self._descriptions.clear()
             self._taps.clear()
+            self._refused.clear()
         present = self._link.instances
         for instance in [*self._components]:
             if instance not in present:
@@ -229,34 +237,61 @@ class PeersWatcher:
                 if each.source.instance in here and each.target.instance in here
             },
         )
+        if self._recorder is not None:
+            self._recorder.follow(now)
         if now != self._published and self._publish(now):
             self._published = now
-        if self._takers is self._listened and self._taps.keys() == self._takers.keys():
-            return
-        self._listened = self._takers
+        wanted: dict[Key, Take] = {}
+        if self._recorder is not None:
+            wanted = dict.fromkeys(self._out_ports(), _ignore)
+        wanted.update(self._takers)
+        self._listened = wanted
         for key in [*self._taps]:
-            if key not in self._listened:
+            if key not in wanted:
                 self._taps.pop(key).close()
-        for key, take in self._listened.items():
-            if key not in self._taps:
-                self._listen(key, take)
+        self._refused.intersection_update(wanted)
+        for key in wanted:
+            if key not in self._taps and key not in self._refused:
+                self._listen(key)
 
-    def _listen(self, key: Key, take: Take) -> None:
+    def _out_ports(self) -> Iterable[Key]:
+        """Return all OutPorts that are known."""
+        return (
+            Key(Use.LISTEN, instance, port)
+            for instance, described in self._descriptions.items()
+            for port in described.out_ports
+        )
+
+    def _listen(self, key: Key) -> None:
         described = self._descriptions.get(key.instance)
         port = None if described is None else described.out_ports.get(key.port)
-        type_ = None if port is None else self._data_type(port.type)
-        if port is None or type_ is None:
+        if port is None:
+            return
+        type_ = self._data_type(port.type)
+        if type_ is None:
+            self._refuse(key, f"the project does not define {port.type}")
             return
         if text_difference(definition(type_._descriptor_), port.definition):
             self._refuse(key, f"the project defines {port.type} in another way")
             return
         encode = cdr_encoder(type_)
         if encode is None:
+            self._refuse(key, f"{port.type} has no encoding by CDR")
             return
+        recorder = self._recorder
+        record: Take = _ignore
+        if recorder is not None:
+            record = recorder.taker(key.instance, key.port, type_, port.unit)
 
         def on_value(value: Any) -> None:
-            with suppress(CdrError):
-                take(encode(value))
+            try:
+                data = encode(value)
+            except CdrError as error:
+                if recorder is not None:
+                    recorder.missing.add(f"{key.instance}.{key.port}", error)
+                return
+            record(data)
+            self._listened.get(key, _ignore)(data)
 
         there = RemotePort(key.instance, key.port)
         try:
@@ -265,7 +300,9 @@ class PeersWatcher:
             self._refuse(key, str(error))
 
     def _refuse(self, key: Key, reason: str) -> None:
-        self._takers = {k: t for k, t in self._takers.items() if k != key}
+        self._refused.add(key)
+        if self._recorder is not None:
+            self._recorder.missing.refuse(f"{key.instance}.{key.port}", reason)
         self._report(key.instance, f"{key.port} gives no samples: {reason}")
 
     # Commands.
@@ -357,6 +394,10 @@ class PeersWatcher:
         put(command.set)
         label = f"{instance}: set {command.set}"[:200]
         return Edit(label, partial(put, command.set), partial(put, before), remote=True)
+
+
+def _ignore(data: bytes) -> None:
+    """Take a sample that nobody watches."""
 
 
 def _results(operation: str, type_: Any, outcome: Outcome) -> object:

@@ -20,7 +20,7 @@ from rtgen.runtime.timing.traffic import (
     ParameterChange,
 )
 from rtgen.runtime.timing.traffic import Event as Happening
-from rtgen.tools.recording.recorder import cdr_encoder
+from rtgen.tools.recording.channels import cdr_encoder
 from rtgen.ui import boards, description
 from rtgen.ui.description import STATES
 from rtgen.ui.protocol import ui

@@ -32,10 +32,11 @@ from rtgen.runtime.opaque_rpc.interface import OpaqueRpc
 from rtgen.runtime.opaque_rpc.proxy import CommunicationChannel
 from rtgen.runtime.values import AnyValue
 from rtgen.runtime.xcdr import deserialize
+from rtgen.tools.recording.channels import cdr_encoder
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.events import Log
 from rtgen.tools.recording.mcap_writer import COMPRESSIONS, McapWriter
-from rtgen.tools.recording.recorder import Recorder, cdr_encoder
+from rtgen.tools.recording.recorder import Recorder
 from rtgen.tools.recording.schema_types import type_of
 from rtgen.tools.recording.schemas import Schema
 

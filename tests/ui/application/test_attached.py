@@ -2,27 +2,40 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
+from contextlib import ExitStack, contextmanager
+from functools import partial
+from pathlib import Path
 from typing import Any
 
 import pytest
 from attached_page import Watching
+from mcap.reader import make_reader
 from ui_bench import QUIET
 
-from refrobots.rtc import Time, TimedDouble
+from refrobots.rtc import Time, TimedDouble, TimedLong
 from rtgen import runtime
+from rtgen.cli import run as rtgen
 from rtgen.runtime import xcdr
 from rtgen.runtime.distribution.in_process import Network
 from rtgen.runtime.distribution.transport import DistributedTransport
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
+from rtgen.tools.recording.mcap_writer import McapWriter
 from rtgen.ui.attaching import EngineLink
+from rtgen.ui.bus_description import BusDescriber
+from rtgen.ui.peers_recorder import PeersRecorder
 from rtgen.ui.peers_watcher import PeersWatcher
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.protocol import ui
+from rtgen.ui.recorded import Recorded
 from rtgen.ui.session import Session
 
 WIRE = ui.Connection(
-    "wire", ui.PortAddress("Source0", "out"), ui.PortAddress("Sink0", "in")
+    "wire",
+    ui.PortAddress("Source0", "out"),
+    ui.PortAddress("Sink0", "in"),
+    [ui.Value("dataport.data_type", "TimedDouble")],
 )
 
 
@@ -59,6 +72,16 @@ class Sink(runtime.Component):
         self.inward = self.add_in_port("in", TimedDouble)
 
 
+class Other(runtime.Component):
+    """Has a port whose type the project does not define."""
+
+    profile = runtime.ComponentProfile("Other", rate=100.0)
+
+    def __init__(self, instance: str) -> None:
+        super().__init__(instance)
+        self.out = self.add_out_port("out", TimedLong)
+
+
 class Project(CommandProject):
     """A project that defines the type of the ports."""
 
@@ -93,21 +116,39 @@ def run(network: Network) -> Iterator[Run]:
     found.close()
 
 
-@pytest.fixture
-def page(network: Network, run: Run) -> Iterator[Watching]:
-    """Yield a page that knows both components."""
+@contextmanager
+def watching(
+    network: Network,
+    file: Path | None = None,
+    recorders: list[PeersRecorder] | None = None,
+) -> Iterator[Watching]:
+    """Yield a page that knows the components, of a session that records to a file."""
     project = Project(QUIET, [])
     transport = DistributedTransport(network.medium())
     link = EngineLink(transport, {WIRE.name: WIRE})
 
     def attach(publish: Any, report: Any) -> PeersWatcher:
-        return PeersWatcher(link, "here", project.data_type, publish, report, 0.005)
+        recorder = None
+        if file is not None:
+            files = ExitStack()
+            writer = files.enter_context(McapWriter(file))
+            recorder = PeersRecorder(writer, files, partial(report, ""))
+            if recorders is not None:
+                recorders.append(recorder)
+        data_type = project.data_type
+        return PeersWatcher(link, "here", data_type, publish, report, 0.005, recorder)
 
     session = Session(project, "", runtime.RealClock, attach=attach)
     found = Watching(session)
-    found.until(lambda: found.components.keys() == {"Source0", "Sink0"})
+    found.until(lambda: found.components.keys() >= {"Source0", "Sink0"})
     yield found
     session.close()
+
+
+@pytest.fixture
+def page(network: Network, run: Run) -> Iterator[Watching]:
+    with watching(network) as page:
+        yield page
 
 
 def passed(page: Watching, run: Run, condition: Any) -> None:
@@ -184,3 +225,61 @@ def test_a_process_that_ends_is_told_and_comes_back(
     again = Run(network)
     page.until(lambda: page.components["Source0"].silent == "")
     again.close()
+
+
+def lines(file: Path, capsys: pytest.CaptureFixture[str]) -> list[dict[str, Any]]:
+    """Return what `rtgen log cat` prints."""
+    capsys.readouterr()
+    assert rtgen(["log", "cat", str(file)]) == 0
+    return [json.loads(each) for each in capsys.readouterr().out.splitlines()]
+
+
+def test_all_that_arrives_is_recorded(
+    network: Network, run: Run, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Also samples that no page watches, until the session ends."""
+    other = Other("Other0")
+    run.system.add(other)
+    file = tmp_path / "peers.mcap"
+    recorders: list[PeersRecorder] = []
+    with watching(network, file, recorders) as page:
+        page.until(lambda: len(page.components) == 3)
+        page.done("activated", ["Source0"])
+        page.done("setting", ui.SetParameter("Source0", "", "gain", "2.5"))
+        active = ui.State.STATE_ACTIVE
+        passed(page, run, lambda: page.state("Source0") is active)
+        page.until(lambda: any("Other0" in each for each in page.notices))
+        page.done("deactivated", ["Source0"])
+        inactive = ui.State.STATE_INACTIVE
+        passed(page, run, lambda: page.state("Source0") is inactive)
+    assert recorders[0].missing.messages() == [
+        "all samples of Other0.out are missing: the project does not define "
+        + TimedLong._descriptor_.name
+    ]
+    found = lines(file, capsys)
+    samples = [each for each in found if each["event"] == "sample"]
+    assert {(each["instance"], each["port"]) for each in samples} == {
+        ("Source0", "out")
+    }
+    assert samples[-1]["value"]["data"] == 2.5
+    states = [
+        (each["from"], each["to"])
+        for each in found
+        if each["event"] == "state" and each["instance"] == "Source0"
+    ]
+    assert states == [
+        ("INACTIVE_STATE", "ACTIVE_STATE"),
+        ("ACTIVE_STATE", "INACTIVE_STATE"),
+    ]
+    [wire] = [each for each in found if each["event"] == "connection"]
+    assert (wire["source"], wire["target"]) == ("Source0.out", "Sink0.in")
+    assert wire["properties"]
+    times = [each["t"] for each in found]
+    assert times == sorted(times)
+    with file.open("rb") as stream:
+        reader = make_reader(stream, validate_crcs=True)
+        topics = [channel.topic for _, channel, _ in reader.iter_messages()]
+    assert topics.count("/Source0/out") == len(samples)
+    shown = Recorded([str(file)], lambda bus, network: BusDescriber(None)).history
+    components = shown.at(shown.last, [], ())[0].whole.components
+    assert {"Source0", "Sink0", "Other0"} == {each.instance for each in components}

@@ -88,7 +88,7 @@ def test_naming_services_need_omniorb(
 @pytest.mark.parametrize(
     ("options", "text"),
     [
-        (["--transport", "zenoh", "--record", "run.mcap"], "without --nameserver"),
+        (["--transport", "zenoh", "--nameserver", "here"], "without --nameserver"),
         (["--transport", "zenoh", "--domain", "3"], "--domain needs --transport dds"),
         (["--partition", "rh3"], "--partition needs --transport dds or zenoh"),
     ],

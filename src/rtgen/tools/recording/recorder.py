@@ -2,21 +2,13 @@
 
 from __future__ import annotations
 
-import json
-import re
-from collections.abc import Callable, Mapping
-from contextlib import AbstractContextManager
+from collections.abc import Callable
 from functools import partial
-from typing import Any, Final, Protocol
+from typing import Any
 
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.marshalling.compiler import compiled
-from rtgen.runtime.marshalling.descriptors import Descriptor
-from rtgen.runtime.marshalling.layouts.formats import Format, UnsupportedError
-from rtgen.runtime.marshalling.layouts.trees import parts, tree_of
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.return_codes import INACTIVE_STATE
-from rtgen.runtime.system.json_printers import json_printer
 from rtgen.runtime.system.observation import connection_change
 from rtgen.runtime.system.records import MissingSamples, Record, StateRecord
 from rtgen.runtime.system.system import System
@@ -29,44 +21,11 @@ from rtgen.runtime.timing.traffic import (
     LogLine,
     ParameterChange,
 )
-from rtgen.runtime.xcdr import Representation, representation_of
 from rtgen.tools.kit.member_units import units_of
 from rtgen.tools.recording import messages
+from rtgen.tools.recording.channels import LAYOUT, Channels, Writer, unit_entries
 from rtgen.tools.recording.mcap_writer import METADATA
 from rtgen.tools.recording.messages import Topic
-from rtgen.tools.recording.schemas import Schema, schema_of
-
-LAYOUT: Final = "1"
-"""Version of the layout of channels and metadata."""
-
-_SCOPED = re.compile(r"[A-Za-z_]\w*(::[A-Za-z_]\w*)*", re.ASCII)
-
-Encoder = Callable[[Any], bytes]
-
-
-class Writer(Protocol):
-    """Destination of a recording: an MCAP file, or the clients of a live view."""
-
-    @property
-    def lock(self) -> AbstractContextManager[Any]:
-        """Held while a message is put."""
-
-    def metadata(self, name: str, entries: Mapping[str, str]) -> None:
-        """Write metadata of the whole recording."""
-
-    def schema(self, name: str, encoding: str, text: str) -> int:
-        """Announce a schema; return its id."""
-
-    def channel(
-        self, topic: str, encoding: str, schema: int, entries: Mapping[str, str]
-    ) -> int:
-        """Announce a channel of messages in an encoding; return its id."""
-
-    def message(self, channel: int, time: int, data: bytes) -> None:
-        """Write a message with a time [ns]."""
-
-    def put(self, channel: int, time: int, data: bytes) -> None:
-        """Write a message, for a caller that holds the lock."""
 
 
 class Recorder:
@@ -84,9 +43,8 @@ class Recorder:
         self._writer = writer
         self._simulated = isinstance(system.clock, SimulatedClock)
         self._start = start_of(system)
-        self._encodings: dict[Any, tuple[int, str, Encoder]] = {}
-        self._schemas: dict[Schema, int] = {}
-        self._channels: dict[tuple[str, ...], int] = {}
+        self._channels = Channels(writer)
+        self._of_ports: dict[tuple[str, ...], int] = {}
         self._ticking = ""
         self._described: set[str] = set()
         self._unwrap: list[Callable[[], None]] = []
@@ -106,6 +64,9 @@ class Recorder:
         self._system.remove_listener(self)
         for unwrap in self._unwrap:
             unwrap()
+
+    def _put(self, topic: str, kind: str, value: Any, **entries: str) -> None:
+        self._channels.put(topic, kind, value, lambda: self.now, **entries)
 
     @property
     def now(self) -> int:
@@ -137,7 +98,7 @@ class Recorder:
         self, port: OutPort[Any], elapsed: Callable[[], int]
     ) -> Callable[[Any], None]:
         """See `SampleWriter`."""
-        schema, encoding, encode = self._encoding(port.type)
+        encode = self._channels.encoding(port.type).encode
         address = port.owner, port.name
         units = self._units(port)
         start, put, lock = self._start, self._writer.put, self._writer.lock
@@ -145,19 +106,11 @@ class Recorder:
 
         def channel_of(during: str) -> int:
             key = (*address, during)
-            if key not in self._channels:
-                entries = {
-                    "kind": "sample",
-                    "instance": port.owner,
-                    "port": port.name,
-                    "type": port.type._descriptor_.repository_id,
-                    "during": during,
-                    **units,
-                }
-                self._channels[key] = self._writer.channel(
-                    topic_of(*address), encoding, schema, entries
+            if key not in self._of_ports:
+                self._of_ports[key] = self._channels.of_port(
+                    *address, port.type, {"during": during, **units}
                 )
-            channels[during] = self._channels[key]
+            channels[during] = self._of_ports[key]
             return channels[during]
 
         channel_of(port.owner if self._simulated else "")
@@ -252,35 +205,6 @@ class Recorder:
         )
         self._put(Topic.CONNECTIONS, "connection", connection)
 
-    def _put(self, topic: str, kind: str, value: Any, **entries: str) -> None:
-        with self._writer.lock:
-            schema, encoding, encode = self._encoding(type(value))
-            channel = self._channels.get((topic,))
-            if channel is None:
-                channel = self._writer.channel(
-                    topic, encoding, schema, {"kind": kind, **entries}
-                )
-                self._channels[topic,] = channel
-            self._writer.message(channel, self.now, encode(value))
-
-    def _encoding(self, type_: Any) -> tuple[int, str, Encoder]:
-        """Return schema, message encoding and encoder of a type."""
-        encoding = self._encodings.get(type_)
-        if encoding is None:
-            encode = cdr_encoder(type_)
-            if encode is None:
-                encoding = 0, "json", _json_encoder(type_)
-            else:
-                encoding = self._schema(schema_of(type_._descriptor_)), "cdr", encode
-            self._encodings[type_] = encoding
-        return encoding
-
-    def _schema(self, schema: Schema) -> int:
-        if schema not in self._schemas:
-            number = self._writer.schema(schema.name, schema.encoding, schema.text)
-            self._schemas[schema] = number
-        return self._schemas[schema]
-
     def _units(self, port: OutPort[Any]) -> dict[str, str]:
         """Return the entries of a port's unit, and of those of its members."""
         profile = self._system.component(port.owner).profile
@@ -288,10 +212,7 @@ class Recorder:
             ".".join(path): unit for path, unit in units_of(profile, port).units.items()
         }
         stated = (p.unit for p in profile.ports if p.name == port.name and not p.port)
-        entries = {"unit": next(stated, "")}
-        if members:
-            entries["units"] = json.dumps(members, ensure_ascii=False)
-        return {name: text for name, text in entries.items() if text}
+        return unit_entries(next(stated, ""), members)
 
 
 def start_of(system: System) -> int:
@@ -304,38 +225,3 @@ def clock_of(system: System) -> dict[str, str]:
     is_simulated = isinstance(system.clock, SimulatedClock)
     clock = "simulated" if is_simulated else "real"
     return {"clock": clock, "start": str(start_of(system))}
-
-
-def topic_of(instance: str, port: str) -> str:
-    """Return the topic of a port."""
-    return f"/{instance}/{port}"
-
-
-def cdr_encoder(type_: Any) -> Encoder | None:
-    """Return an encoder of payloads with encapsulation header; None if XCDR cannot encode the type.
-
-    Version 1 of XCDR, or version 2 if the type requires it (DDS-XTypes 1.3, 7.6.3.1).
-    """
-    descriptor: Descriptor = type_._descriptor_
-    if not _SCOPED.fullmatch(str(getattr(descriptor, "name", ""))):
-        return None
-    version = 2 if getattr(descriptor, "representation", 0) == 2 else 1
-    kind: Representation = representation_of(type_, version)
-    header = bytes((0, kind, 0, 0))
-    try:
-        for part in parts(descriptor):
-            tree_of(part, Format(version))
-    except UnsupportedError:
-        return None
-    body = compiled("to_cdr", descriptor, Format(version))
-
-    def encode(value: Any) -> bytes:
-        octets: bytes = header + body(value, True)
-        return octets
-
-    return encode
-
-
-def _json_encoder(type_: Any) -> Encoder:
-    printed = json_printer(type_)
-    return lambda value: printed(value).encode()

@@ -3,9 +3,9 @@
 from __future__ import annotations
 
 import threading
-from collections.abc import Callable, Hashable, Mapping
-from contextlib import AbstractContextManager, ExitStack
-from typing import TYPE_CHECKING, Any, Final
+from collections.abc import Callable, Hashable
+from contextlib import ExitStack
+from typing import TYPE_CHECKING, Final
 
 import msgspec
 
@@ -13,7 +13,7 @@ from rtgen.compiler.diagnostics import ToolError
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SimulatedClock
-from rtgen.tools.running.recording_options import RecordingOptions
+from rtgen.tools.running.recording_options import RecordingOptions, longest_chunk
 
 if TYPE_CHECKING:
     from rtgen.tools.recording.recorder import Recorder
@@ -135,10 +135,12 @@ class _Recording:
     ) -> None:
         self._files = ExitStack()
         self._options, self._tell = options, tell
-        writer = options.writer(self._files, system, options.file or "")
+        longest = longest_chunk(system)
+        writer = options.writer(self._files, options.file or "", longest)
+        from rtgen.tools.recording.lasting_writer import LastingWriter
         from rtgen.tools.recording.recorder import Recorder
 
-        self._writer = _Lasting(writer, self._failed)
+        self._writer = LastingWriter(writer, self._failed)
         self._recorder: Recorder = Recorder(system, self._writer, under_way=True)
         self._simulated = isinstance(system.clock, SimulatedClock)
 
@@ -152,57 +154,3 @@ class _Recording:
 
     def _failed(self, error: Exception) -> None:
         self._tell("error", "", f"the recording has ended: {error}")
-
-
-class _Lasting:
-    """A writer whose failure ends the recording, and not the run; see `recorder.Writer`."""
-
-    def __init__(self, writer: Any, failed: Callable[[Exception], None]) -> None:
-        self._writer = writer
-        self._failed = failed
-        self._is_open = True
-
-    @property
-    def lock(self) -> AbstractContextManager[Any]:
-        lock: AbstractContextManager[Any] = self._writer.lock
-        return lock
-
-    def metadata(self, name: str, entries: Mapping[str, str]) -> None:
-        self._writer.metadata(name, entries)
-
-    def schema(self, name: str, encoding: str, text: str) -> int:
-        number: int = self._writer.schema(name, encoding, text)
-        return number
-
-    def channel(
-        self, topic: str, encoding: str, schema: int, entries: Mapping[str, str]
-    ) -> int:
-        number: int = self._writer.channel(topic, encoding, schema, entries)
-        return number
-
-    def message(self, channel: int, time: int, data: bytes) -> None:
-        with self.lock:
-            self.put(channel, time, data)
-
-    def put(self, channel: int, time: int, data: bytes) -> None:
-        if not self._is_open:
-            return
-        from rtgen.tools.recording.errors import RecordingError
-
-        try:
-            self._writer.put(channel, time, data)
-        except RecordingError as error:
-            self._is_open = False
-            self._failed(error)
-
-    def close(self, files: ExitStack) -> None:
-        """Write what is left."""
-        from rtgen.tools.recording.errors import RecordingError
-
-        with self.lock:
-            try:
-                files.close()
-            except RecordingError as error:
-                if self._is_open:
-                    self._failed(error)
-            self._is_open = False

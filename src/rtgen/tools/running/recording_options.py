@@ -6,7 +6,7 @@ from collections.abc import Iterator
 from contextlib import ExitStack, contextmanager
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Final
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import ToolError
@@ -21,7 +21,7 @@ if TYPE_CHECKING:
     from rtgen.tools.recording.recorder import Recorder
 
 _SUFFIX = ".mcap"
-_MAX_CHUNK_NS = 1_000_000_000
+MAX_CHUNK_NS: Final = 1_000_000_000
 """Maximum duration of a chunk in real time, in ns."""
 
 
@@ -55,7 +55,7 @@ class RecordingOptions:
             writer = BagWriter(
                 Path(self.file),
                 self.compression or "zstd",
-                _longest(running),
+                longest_chunk(running),
             )
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
@@ -81,18 +81,21 @@ class RecordingOptions:
         from rtgen.tools.recording.recorder import Recorder
 
         file = self.file if bag is None else self.events_file
-        return Recorder(running, self.writer(files, running, file))
+        return Recorder(running, self.writer(files, file, longest_chunk(running)))
 
     def writer(
-        self, files: ExitStack, running: runtime.System, file: str | Path
+        self, files: ExitStack, file: str | Path, longest: int | None
     ) -> McapWriter:
-        """Return a writer of a file for a run, until `files` is closed. Raises ToolError."""
+        """Return a writer of a file until `files` is closed; `longest` as of `longest_chunk`.
+
+        Raises ToolError.
+        """
         from rtgen.tools.recording.errors import RecordingError
         from rtgen.tools.recording.mcap_writer import McapWriter
 
         try:
             compression = self.compression or "zstd"
-            writer = McapWriter(file, compression, longest=_longest(running))
+            writer = McapWriter(file, compression, longest=longest)
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
         return files.enter_context(writer)
@@ -126,10 +129,10 @@ class RecordingOptions:
         )
 
 
-def _longest(running: runtime.System) -> int | None:
+def longest_chunk(running: runtime.System) -> int | None:
     """Return the longest time of a chunk [ns]; None for any."""
     simulated = isinstance(running.clock, runtime.SimulatedClock)
-    return None if simulated else _MAX_CHUNK_NS
+    return None if simulated else MAX_CHUNK_NS
 
 
 def tell_missing(console: Console, file: str, missing: MissingSamples) -> bool:

@@ -71,10 +71,18 @@ class MissingSamples:
         count, first = self._found.get(str(port), (0, str(error)))
         self._found[str(port)] = count + 1, first
 
+    def refuse(self, port: object, reason: str) -> None:
+        """Add a port of which no sample can be written."""
+        self._found.setdefault(str(port), (0, reason))
+
     def messages(self) -> list[str]:
         """Return a message for each port, with the first reason."""
         return [
-            f"{count} samples of {port} are missing: {first}"
+            (
+                f"{count} samples of {port} are missing: {first}"
+                if count
+                else f"all samples of {port} are missing: {first}"
+            )
             for port, (count, first) in self._found.items()
         ]
 
