@@ -3,19 +3,24 @@
 from __future__ import annotations
 
 import inspect
+import posixpath
 import re
 from collections.abc import Iterator
 from typing import Any
 
 import click
 from mkdocs.structure.files import File, Files
+from mkdocs.structure.nav import Navigation
+from mkdocs.structure.pages import Page
 
 from rtgen import api, runtime
 from rtgen.cli import application
 from rtgen.compiler.diagnostics.explain import rules, story
 from rtgen.tools.docs.site import ASSETS
 
-_OUTSIDE = re.compile(r"!?\[([^\]]*)\]\((?:\.\./)+(?!decisions/)[^)]*\)")
+_LINK = re.compile(r"!?\[([^\]]*)\]\((\.\./[^)]*)\)")
+_JAPANESE = "ja/"
+"""The folder of the Japanese pages."""
 
 
 def on_files(files: Files, *, config: Any, **_: Any) -> Files:
@@ -34,9 +39,33 @@ def on_files(files: Files, *, config: Any, **_: Any) -> Files:
 
 def on_page_markdown(markdown: str, *, page: Any, **_: Any) -> str:
     """Links to files of the repository that are no pages become their texts."""
-    if page.file.src_uri.startswith("decisions/"):
-        return re.sub(r"!?\[([^\]]*)\]\((?:\.\./){2,}[^)]*\)", r"\1", markdown)
-    return _OUTSIDE.sub(r"\1", markdown)
+    folder = posixpath.dirname(page.file.src_uri)
+
+    def shown(link: re.Match[str]) -> str:
+        target = posixpath.normpath(posixpath.join(folder, link[2]))
+        return link[1] if target.startswith("..") else link[0]
+
+    return _LINK.sub(shown, markdown)
+
+
+def on_page_context(context: Any, *, page: Page, config: Any, nav: Navigation) -> Any:
+    """A Japanese page has Japanese menus and the Japanese pages beside it.
+
+    The choice of the language leads to the same page, or to the first one in that language.
+    """
+    pages = {each.file.src_uri: each for each in nav.pages}
+    japanese = [each for uri, each in pages.items() if uri.startswith(_JAPANESE)]
+    name = page.file.src_uri.removeprefix(_JAPANESE)
+    is_japanese = page in japanese
+    config.theme["language"] = "ja" if is_japanese else "en"
+    for entry in config.extra["alternate"]:
+        folder = _JAPANESE if entry["lang"] == "ja" else ""
+        form = pages.get(folder + name, pages[f"{folder}README.md"])
+        entry["link"] = form.url
+    if is_japanese:
+        context["nav"] = Navigation(japanese, japanese)
+        context["nav"].homepage = pages[f"{_JAPANESE}README.md"]
+    return context
 
 
 def _commands() -> str:

@@ -166,6 +166,34 @@ def test_the_documentation_of_rtgen_is_a_site(tmp_path: Path) -> None:
     assert all(code in diagnostics for code in ("IDL0101", "CDL0009", "EDS0402"))
     assert check_links(tmp_path, leads_out=True) > 5000
     assert (tmp_path / "search" / "search_index.js").stat().st_size > 100_000
+    english = (tmp_path / "tutorial.html").read_text("utf-8")
+    japanese = (tmp_path / "ja" / "tutorial.html").read_text("utf-8")
+    assert '<html lang="en"' in english
+    assert '<html lang="ja"' in japanese
+    assert 'href="ja/tutorial.html" hreflang="ja"' in english
+    assert 'href="../tutorial.html" hreflang="en"' in japanese
+    assert "Table of contents" not in japanese
+    assert '<a href="../project.html">' in japanese
+    words = (tmp_path / "words.html").read_text("utf-8")
+    assert 'href="ja/words.html" hreflang="ja"' in words
+    canopen = (tmp_path / "canopen.html").read_text("utf-8")
+    assert 'href="ja/index.html" hreflang="ja"' in canopen
+
+
+def test_words_of_japanese_sentences_are_searched(reference: Path) -> None:
+    """The search compares the beginnings of words; Japanese has no spaces between them."""
+    settings = yaml.safe_load((reference / "mkdocs.yml").read_text("utf-8"))
+    [separator] = (
+        plugin["search"]["separator"]
+        for plugin in settings["plugins"]
+        if isinstance(plugin, dict)
+    )
+    sentence = "RTCのサービスポートは、受け口の振る舞いを呼ぶ(heartbeat-consumer)。"
+    words = list(filter(None, re.split(separator, sentence)))
+    assert words == [
+        *("RTC", "の", "サービスポート", "は", "受け", "口の", "振る", "舞いを"),
+        *("呼ぶ", "(heartbeat", "consumer)"),
+    ]
 
 
 @pytest.fixture(scope="module")
