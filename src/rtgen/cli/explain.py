@@ -10,7 +10,8 @@ from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stored_answers import with_answer
 from rtgen.compiler.kit.translation import translated, translated_word
-from rtgen.facts.columns import padded
+from rtgen.compiler.kit.translation.blocks import blocks, joined
+from rtgen.facts.columns import padded, wrapped
 from rtgen.tools.kit.console import Console, forget_output, write_error, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, OK
 
@@ -41,7 +42,24 @@ def explain(console: Console, code: str | None) -> int:
         from rich.markdown import Markdown
 
         forget_output()
-        Terminal().print(Markdown(story(explained)))
+        terminal = Terminal()
+        terminal.print(Markdown(_broken(story(explained), terminal.width)))
     else:
         write_out(story(explained))
     return OK
+
+
+def _broken(page: str, width: int) -> str:
+    """Return a page whose paragraphs without spaces between words have lines of `width` columns."""
+    parts = []
+    for block, is_text in blocks(page):
+        text = joined(block)
+        if (
+            is_text
+            and "\n" not in text
+            and not text.startswith("#")
+            and not text.isascii()
+        ):
+            text = "  \n".join(wrapped(text, width))
+        parts.append(text if is_text else block)
+    return "\n\n".join(parts)

@@ -94,6 +94,17 @@ def test_a_story(capfd: pytest.CaptureFixture[str]) -> None:
     assert capfd.readouterr().out.startswith("# PRJ0101: two files of one name\n\n")
 
 
+def test_a_story_without_a_translation_says_so(
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    assert run(["--language", "ja", "explain", "RTC0597"]) == 0
+    assert "\n\nこの説明はまだ英語だけです。\n\nA connector" in capfd.readouterr().out
+    assert run(["--language", "ja", "explain", "IDL0200"]) == 0
+    assert "英語だけ" not in capfd.readouterr().out
+    assert run(["explain", "RTC0597"]) == 0
+    assert "only" not in capfd.readouterr().out
+
+
 def test_an_unknown_code(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["explain", "PRJ01O1"]) == 2
     out, err = capfd.readouterr()

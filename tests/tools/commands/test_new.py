@@ -214,6 +214,18 @@ def test_no_port_is_connected_to_a_device(
     assert (ambiguous in err) == (components.count("WheelProxy") > 1)
 
 
+def test_the_readme_of_a_project_is_in_the_language() -> None:
+    assert run(["--language", "ja", "new", "project", "mine"]) == 0
+    assert run(["new", "project", "other"]) == 0
+    japanese, english = (
+        Path(name, "README.md").read_text("utf-8") for name in ("mine", "other")
+    )
+    assert "| フォルダ | 内容 | 持ち主 |" in japanese
+    assert "| folder | content | owner |" in english
+    commands = re.findall(r"^\$ [^#\n]*\b", japanese, re.MULTILINE)
+    assert commands == re.findall(r"^\$ [^#\n]*\b", english, re.MULTILINE)
+
+
 def test_the_same_name_gives_the_same_files(
     work: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

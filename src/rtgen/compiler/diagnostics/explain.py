@@ -9,7 +9,13 @@ from types import MappingProxyType
 
 from rtgen.compiler.diagnostics import Rule, ToolError
 from rtgen.compiler.kit import plugins
-from rtgen.compiler.kit.translation import translated, translated_page
+from rtgen.compiler.kit.translation import (
+    ENGLISH,
+    language,
+    translated,
+    translated_page,
+)
+from rtgen.compiler.kit.translation.blocks import paragraphs
 
 MODULES = {
     "rtgen.compiler.backends.canopen.rules": "EDS",
@@ -95,5 +101,10 @@ def similar(code: str) -> list[str]:
 def story(rule: Rule) -> str:
     """Return the rule as Markdown, in the language of the user."""
     title = translated(rule.title)
-    page = translated_page(rule.explanation.strip())
+    explanation = rule.explanation.strip()
+    page = translated_page(explanation)
+    if language() != ENGLISH and all(
+        t == translated(t) for t in paragraphs(explanation)
+    ):
+        page = f"{translated('This explanation is in English only.')}\n\n{page}"
     return f"# {rule.code}: {title}\n\n{page}\n"

@@ -15,7 +15,7 @@ from urllib.parse import quote
 
 from rtgen.compiler.diagnostics import Diagnostic, Fix, Rule, Severity, Span, in_order
 from rtgen.compiler.diagnostics.printable import printable
-from rtgen.compiler.kit.translation import translated, translated_word
+from rtgen.compiler.kit.translation import listed, translated, translated_word
 from rtgen.facts.columns import columns
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import MAX_BYTES, is_file, read_start
@@ -65,7 +65,7 @@ def summary(diagnostics: Sequence[Diagnostic]) -> str:
         if number:
             text = f"{number} {severity.value}{'s' if number > 1 else ''}"
             counts.append(translated(text))
-    return ", ".join(counts)
+    return listed(counts)
 
 
 def as_json(d: Diagnostic) -> dict[str, object]:

@@ -13,6 +13,7 @@ from pathlib import Path
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
+from rtgen.compiler.kit.translation import translated_word
 from rtgen.compiler.systems import measures
 from rtgen.compiler.systems.conditions import Condition
 from rtgen.compiler.systems.measures import Measure
@@ -381,7 +382,7 @@ def _show(
     def show_changes() -> None:
         while changes:
             _, time, instance, _, state, _, reason = changes.popleft()
-            text = view.state_text(instance, state, reason)
+            text = translated_word(view.state_text(instance, state, reason))
             bar.state(time, instance, f"{text} ({reason})" if reason else text)
 
     def changed(record: StateRecord) -> None:

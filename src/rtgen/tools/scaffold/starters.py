@@ -11,6 +11,7 @@ from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.backends.profiles.rts_profile import system_text
 from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.kit.resources import RH3_FILES, rh3_source
+from rtgen.compiler.kit.translation import ENGLISH, language
 from rtgen.compiler.model import Model
 from rtgen.compiler.project import FILE_NAME, OUTPUT, Project
 from rtgen.compiler.typemap.python.names import skeleton_module
@@ -23,6 +24,9 @@ VENDOR = "example"
 
 FIRST = "Scaler"
 """The component of a new project."""
+
+_README = {ENGLISH: "README.md", "ja": "README.ja.md"}
+"""The template of a new project's README in each language."""
 
 _USED_BY_TESTS = ("LifeCycleState", "SimulatedClock", "System", "TimedDouble")
 """Classes that the test of a new component imports beside the component."""
@@ -186,7 +190,7 @@ def project(name: Names, package: str, root: Path) -> list[File]:
         "project",
         {
             root / "pyproject.toml": "pyproject.toml",
-            root / "README.md": "README.md",
+            root / "README.md": _README[language()],
             root / ".gitignore": "gitignore.txt",
             root / ".gitattributes": "gitattributes.txt",
         },

@@ -7,7 +7,7 @@ Messages are made in English, as machine formats show them, and translated where
 from __future__ import annotations
 
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 
 ENGLISH = "en"
 LANGUAGES = (ENGLISH, "ja")
@@ -67,6 +67,11 @@ def translated_word(word: str) -> str:
     from rtgen.compiler.kit.translation.catalogue import WORD, catalogue
 
     return catalogue(language(), WORD).translated(word)
+
+
+def listed(texts: Iterable[str]) -> str:
+    """Return texts in the language as one, with its comma between them."""
+    return (", " if language() == ENGLISH else "、").join(texts)
 
 
 def translated_lines(text: str) -> str:
