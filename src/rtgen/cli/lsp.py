@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import gc
+import linecache
 import logging
 import os
 import sys
@@ -50,6 +51,8 @@ def lsp(console: Console, log_level: str) -> int:
     # Responses are sent between the steps of an analysis; large collections are rare.
     sys.setswitchinterval(0.001)
     gc.set_threshold(100_000, 20, 20)
+    # The source of each method that attrs writes, for debuggers: 3 MB.
+    linecache.clearcache()
     # Skip validation: features create valid positions, and it takes a third of a response's time.
     validators.set_disabled(True)
     # The protocol has its own streams, so that a stray print cannot corrupt its messages.
