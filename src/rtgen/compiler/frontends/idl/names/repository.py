@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from sys import intern
 
 from rtgen.compiler.diagnostics import Diagnostic, Related, Span
 from rtgen.compiler.frontends.idl.names.scopes import Entity, Kind, Scope
@@ -25,13 +26,16 @@ Find = Callable[[Scope, str, Span], Entity | None]
 
 
 def repository_id(ids: str, name: str) -> str:
-    """Return the repository id of a name: `IDL:path/name:1.0`."""
-    return f"IDL:{ids}/{name}:1.0" if ids else f"IDL:{name}:1.0"
+    """Return the repository id of a name: `IDL:path/name:1.0`.
+
+    One string for all translation units that include the declaration.
+    """
+    return intern(f"IDL:{ids}/{name}:1.0" if ids else f"IDL:{name}:1.0")
 
 
 def below(ids: str, name: str) -> str:
     """Return the prefix of the ids inside a scope."""
-    return f"{ids}/{name}" if ids else name
+    return intern(f"{ids}/{name}") if ids else name
 
 
 class Identities:
