@@ -1,6 +1,7 @@
 /** Draws a map on a canvas. */
 
 import type { Grid, Pose } from "./figures.ts";
+import type { Point } from "./layout.ts";
 import { placed } from "./figures.ts";
 
 export interface Layer {
@@ -39,8 +40,8 @@ const MARGIN = 1.25;
 const SMALLEST = 2;
 /** Size of the mark of a body [px]. */
 const BODY = 9;
-/** Space for the label of a mark [px]. */
-const LABEL = { width: 90, height: 12 };
+/** The font of labels, the height of a line of it, and the distance from its mark and from the edge of the map [px]. */
+const LABEL = { font: "11px system-ui, sans-serif", height: 12, gap: 5 };
 
 function extent(layers: readonly Layer[]): [number, number, number, number] {
   let [left, right, low, high] = [Infinity, -Infinity, Infinity, -Infinity];
@@ -143,7 +144,8 @@ export function draw(canvas: HTMLCanvasElement, layers: readonly Layer[], view: 
     line(path, [6, 4]);
     for (const { x, y } of path.length <= MOST_MARKS ? path : []) context.fillRect(across(x) - 2, down(y) - 2, 4, 4);
   }
-  const labels: { x: number; y: number }[] = [];
+  const labels: Box[] = [];
+  context.font = LABEL.font;
   for (const { kind, colour, pose, path, label } of layers) {
     const at = pose ?? path.at(-1);
     if (!at) continue;
@@ -151,10 +153,10 @@ export function draw(canvas: HTMLCanvasElement, layers: readonly Layer[], view: 
     context.fillStyle = context.strokeStyle = colour;
     if (kind === "body") drawBody(context, x, y, at.heading, text);
     else drawGoal(context, x, y, at.heading);
-    const spot = { x: x + BODY + 5, y: y - BODY };
-    while (labels.some((each) => Math.abs(each.x - spot.x) < LABEL.width && Math.abs(each.y - spot.y) < LABEL.height)) spot.y += LABEL.height;
+    const spot = labelPlace(x, y, context.measureText(label).width, width, height, labels);
+    if (!spot) continue;
     labels.push(spot);
-    drawLabel(context, spot.x, spot.y, label, text, paper);
+    drawLabel(context, spot, label, text, paper);
   }
   if (cross) line([{ x: view.x - 8 / view.scale, y: view.y, heading: 0 }, { x: view.x + 8 / view.scale, y: view.y, heading: 0 }], []);
   if (cross) line([{ x: view.x, y: view.y - 8 / view.scale, heading: 0 }, { x: view.x, y: view.y + 8 / view.scale, heading: 0 }], []);
@@ -163,7 +165,11 @@ export function draw(canvas: HTMLCanvasElement, layers: readonly Layer[], view: 
     context.lineWidth = 1.5;
     line([measured.from, measured.to], [3, 3]);
     for (const { x, y } of [measured.from, measured.to]) context.fillRect(across(x) - 2.5, down(y) - 2.5, 5, 5);
-    drawLabel(context, across(measured.to.x) + 8, down(measured.to.y) + 4, distance(measured), text, paper);
+    const words = distance(measured);
+    context.font = LABEL.font;
+    const [x, y] = [across(measured.to.x), down(measured.to.y) + BODY];
+    const wide = context.measureText(words).width;
+    drawLabel(context, labelPlace(x, y, wide, width, height, []) ?? { x, y, wide }, words, text, paper);
   }
   drawScale(context, view, height, step, text);
 }
@@ -173,8 +179,30 @@ const MOST_MARKS = 40;
 
 export const distance = ({ from, to }: Measured): string => `${Math.hypot(to.x - from.x, to.y - from.y).toFixed(3)} m`;
 
-function drawLabel(context: CanvasRenderingContext2D, x: number, y: number, label: string, text: string, paper: string): void {
-  context.font = "11px system-ui, sans-serif";
+/** The left end and the base line of a label, and its width [px]. */
+interface Box extends Point {
+  wide: number;
+}
+
+/** The lines beside a mark where its label may be, from its upper edge. */
+const LINES = [0, 1, -1, 2, -2, 3, -3];
+
+/** The place of a label beside its mark, where no other label is; undefined if there is none. */
+function labelPlace(x: number, y: number, wide: number, width: number, height: number, labels: readonly Box[]): Box | undefined {
+  const isInside = x >= 0 && x <= width && y >= 0 && y <= height;
+  const [left, right] = [x - BODY - LABEL.gap - wide, x + BODY + LABEL.gap];
+  const at = isInside && right + wide > width - LABEL.gap && left >= LABEL.gap ? left : right;
+  const top = isInside ? Math.max(y - BODY, LABEL.height) : y - BODY;
+  const line = LINES.map((each) => top + each * LABEL.height).find(
+    (each) =>
+      (!isInside || (each >= LABEL.height && each <= height - LABEL.gap)) &&
+      !labels.some((other) => at < other.x + other.wide && other.x < at + wide && Math.abs(other.y - each) < LABEL.height),
+  );
+  return line === undefined ? undefined : { x: at, y: line, wide };
+}
+
+function drawLabel(context: CanvasRenderingContext2D, { x, y }: Point, label: string, text: string, paper: string): void {
+  context.font = LABEL.font;
   context.lineWidth = 3;
   context.lineJoin = "round";
   context.strokeStyle = paper;
