@@ -5,13 +5,18 @@ import { useContext } from "react";
 import { Inspecting } from "./Inspector.tsx";
 import type { Line } from "./lines.ts";
 import type { Point } from "./layout.ts";
-import { NODE } from "./layout.ts";
+import { BESIDE, NODE } from "./layout.ts";
 import { t } from "./texts.ts";
 
 /** Start of a component's line, relative to the upper left of the bus. */
 export interface Drop extends Point {
+  /** Where the line goes down to the bus. */
+  down: number;
   chosen: boolean;
 }
+
+/** The distance from the bus where the lines of a node turn, so that those of several nodes do not coincide [px]. */
+const turn = (node: number): number => 5 + 3 * (node % 6);
 
 export interface BusData extends Record<string, unknown> {
   line: Line;
@@ -33,12 +38,12 @@ export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
   return (
     <section className="bus-line" aria-label={t("Bus {name}", { name: line.name })} style={{ width }}>
       <svg aria-hidden width={width} height={NODE.height} overflow="visible">
-        {nodes.map(({ x, proxies, devices }) =>
+        {nodes.map(({ x, proxies, devices }, node) =>
           [...proxies, ...devices].map((each, i) => (
             <path
               key={`${x} ${i}`}
               className={`drop ${i < proxies.length ? "proxy" : ""} ${each.chosen ? "chosen" : ""}`}
-              d={each.y < 0 ? `M${each.x},${each.y} V-12 L${x},0` : `M${x},${NODE.height} L${each.x},${each.y}`}
+              d={each.y < 0 ? `M${each.x},${each.y} ${each.down === each.x ? "" : `V${each.y + BESIDE} H${each.down} `}V${-turn(node)} H${x} V0` : `M${x},${NODE.height} L${each.x},${each.y}`}
             />
           )),
         )}

@@ -1,14 +1,14 @@
 /** The graph of components and connections, changed by mouse and by keyboard. */
 
 import { Background, BaseEdge, ControlButton, Controls, EdgeLabelRenderer, Handle, MiniMap, Position, ReactFlow, getSmoothStepPath, useNodesState, useStore } from "@xyflow/react";
-import { Group, LayoutGrid, Map as MapIcon, Plus } from "lucide-react";
+import { Group, LayoutGrid, Map as MapIcon, Maximize, Plus } from "lucide-react";
 import type { Connection as Drawn, Edge, EdgeProps, Node, NodeProps, ReactFlowInstance } from "@xyflow/react";
 import type { CSSProperties, RefObject } from "react";
 import { memo, useCallback, useContext, useEffect, useLayoutEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 import { BusLine } from "./BusLine.tsx";
 import type { BusNode, Drop } from "./BusLine.tsx";
 import { Button } from "./kit/Button.tsx";
-import { WIDEST, around, arrange, frames, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, width } from "./layout.ts";
+import { WIDEST, around, arrange, descent, frames, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, width } from "./layout.ts";
 import type { Arrangement, Grouping, Point } from "./layout.ts";
 import { linesOf } from "./lines.ts";
 import { Name, partsOf } from "./kit/Name.tsx";
@@ -185,6 +185,8 @@ function WireLine({ id, data, selected, interactionWidth, ...ends }: EdgeProps<W
 
 /** Below this zoom, boxes show their names alone, in letters that stay legible. */
 const FAR = 0.75;
+/** Below this zoom, no names fit boxes. */
+const FARTHER = 0.22;
 
 /** Tells the wiring's style how far away it is seen. */
 function Distance({ of }: { of: RefObject<HTMLElement | null> }) {
@@ -193,25 +195,36 @@ function Distance({ of }: { of: RefObject<HTMLElement | null> }) {
     // The first zoom is 1, and the wiring's element comes after it.
     of.current?.style.setProperty("--zoom", String(zoom));
     of.current?.classList.toggle("far", zoom < FAR);
+    of.current?.classList.toggle("farther", zoom < FARTHER);
   }, [of, zoom]);
   return null;
 }
 
 const MAP = { width: 160, height: 110 };
-/** The width that the buttons at the bottom left can have [px]. */
-const BUTTONS = 256;
-/** Where the small map may be. */
-const CORNERS = ["top-right", "bottom-right", "top-left"] as const;
-type Corner = (typeof CORNERS)[number];
 
-/** The first corner of a view where the small map covers no box and no button. */
-function freeCorner(boxes: readonly (Point & { right: number; bottom: number })[], wide: number, high: number): Corner | undefined {
-  const [across, down] = [MAP.width + 16, MAP.height + 16];
-  return CORNERS.find((corner) => {
-    const isLeft = corner === "top-left";
-    const isLow = corner === "bottom-right";
-    return !(isLow && wide < BUTTONS + across) && !boxes.some((each) => (isLeft ? each.x < across : each.right > wide - across) && (isLow ? each.bottom > high - down : each.y < down));
+/** Whether a part of the wiring is outside of the view. */
+const useIsCropped = (corners: readonly [Point, Point] | undefined): boolean =>
+  useStore(({ transform: [x, y, zoom], width, height }) => {
+    if (!corners) return false;
+    const [start, end] = corners;
+    return x + start.x * zoom < -1 || y + start.y * zoom < -1 || x + end.x * zoom > width + 1 || y + end.y * zoom > height + 1;
   });
+
+/** The button of the small map. `wanted`: whether the user has asked for it; undefined: it is shown beside a part of the wiring. */
+function MapButton({ corners, wanted, want }: { corners: readonly [Point, Point] | undefined; wanted: boolean | undefined; want: (shown: boolean) => void }) {
+  const cropped = useIsCropped(corners);
+  const isShown = wanted ?? cropped;
+  return (
+    <ControlButton aria-pressed={isShown} aria-label={t("Small map")} title={t("A small map of the whole wiring, by which the view is moved")} onClick={() => want(!isShown)}>
+      <MapIcon aria-hidden />
+    </ControlButton>
+  );
+}
+
+function SmallMap({ corners, wanted }: { corners: readonly [Point, Point] | undefined; wanted: boolean | undefined }) {
+  const cropped = useIsCropped(corners);
+  if (!(wanted ?? cropped)) return null;
+  return <MiniMap<Shown> position="top-right" style={MAP} pannable zoomable ariaLabel={t("Map of the wiring")} nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />;
 }
 
 const edgeTypes = { wire: WireLine };
@@ -252,7 +265,6 @@ const LABELS = {
   "controls.ariaLabel": t("Control Panel"),
   "controls.zoomIn.ariaLabel": t("Zoom In"),
   "controls.zoomOut.ariaLabel": t("Zoom Out"),
-  "controls.fitView.ariaLabel": t("Fit View"),
   "minimap.ariaLabel": t("Map of the wiring"),
 };
 
@@ -289,11 +301,8 @@ export const Wiring = memo(function Wiring(props: {
   const [fits, setFits] = useState<ReadonlyMap<string, Fit>>();
   const [misfit, ask] = useState<Misfit>();
   const [menu, setMenu] = useState<Place & { edge: boolean }>();
-  /** Whether there are boxes outside of the view that fits best, and whether the small map is shown: undefined: if so. */
-  const [cropped, crop] = useState(false);
+  /** Whether the small map is shown: undefined: beside a part of the wiring. */
   const [wanted, showMap] = useState<boolean>();
-  const [corner, setCorner] = useState<Corner>();
-  const mapped = wanted ?? (cropped && corner !== undefined);
   const isWide = useWidth(ROOM);
   const isHidden = room.startsWith("0x");
   const drags = useRef(0);
@@ -334,6 +343,16 @@ export const Wiring = memo(function Wiring(props: {
     return { of, rails: found.rails, corners: [corners[0], found.end] as [Point, Point], frames: frames(boxes, by) };
   }, [arrangement, arranged, components, lines, by]);
 
+  /** Where boxes are, for the lines that go around them. */
+  const standing = useMemo(
+    () =>
+      components.flatMap((each) => {
+        const place = places?.of.get(each.instance);
+        return place ? [{ ...place, ...size(each) }] : [];
+      }),
+    [components, places],
+  );
+
   const joined = useMemo(() => {
     const found = new Map<string, Set<string>>();
     for (const { source, target } of connections)
@@ -371,7 +390,9 @@ export const Wiring = memo(function Wiring(props: {
           const isAbove = place.y < at.y;
           // Lines of boxes above each other do not coincide.
           const across = isAbove ? (node - (line.nodes.length - 1) / 2) * APART : 0;
-          return [{ x: place.x + box.width / 2 + across - at.x, y: place.y + (isAbove ? box.height : 0) - at.y, chosen: instance === selected }];
+          const start = { x: place.x + box.width / 2 + across, y: place.y + (isAbove ? box.height : 0) };
+          const down = isAbove ? descent(start, at.y, standing, node) : start.x;
+          return [{ x: start.x - at.x, y: start.y - at.y, down: down - at.x, chosen: instance === selected }];
         };
         return {
           ...(known.get(`bus ${line.name}`) as BusNode | undefined),
@@ -414,7 +435,7 @@ export const Wiring = memo(function Wiring(props: {
       );
       return [...groups, ...boxes, ...buses];
     });
-  }, [components, places, lines, fits, joined, selected, setNodes]);
+  }, [components, places, standing, lines, fits, joined, selected, setNodes]);
 
   // React Flow calls each new function with what is selected, as if it had just been selected.
   const onSelectionChange = useCallback(({ nodes: chosen }: { nodes: Shown[] }) => chosen[0] && select(nameOf(chosen[0].id)), [select]);
@@ -435,19 +456,7 @@ export const Wiring = memo(function Wiring(props: {
   const fit = () => {
     if (!flow || !places || !components.length || !section.current!.clientWidth) return;
     const { clientWidth, clientHeight } = section.current!;
-    let shown = view(places.corners, clientWidth, clientHeight, !isWide);
-    const boxes = components.flatMap((each) => {
-      const place = places.of.get(each.instance);
-      return place ? [{ x: shown.x + place.x * shown.zoom, y: shown.y + place.y * shown.zoom, right: shown.x + (place.x + width(each)) * shown.zoom, bottom: shown.y + (place.y + size(each).height) * shown.zoom }] : [];
-    });
-    let free = freeCorner(boxes, clientWidth, clientHeight);
-    if (!free && isWide && shown.zoom < FAR) {
-      shown = view(places.corners, clientWidth - MAP.width - 16, clientHeight, false);
-      free = "top-right";
-    }
-    setCorner(free);
-    void flow.setViewport(shown);
-    crop(shown.zoom < FAR);
+    void flow.setViewport(view(places.corners, clientWidth, clientHeight, !isWide));
     moved.current = false;
   };
   // Moving boxes does not move the view.
@@ -461,10 +470,6 @@ export const Wiring = memo(function Wiring(props: {
   useLayoutEffect(() => {
     if (!places) return undefined;
     const known = byInstance(components);
-    const boxes = components.flatMap((each) => {
-      const place = places.of.get(each.instance);
-      return place ? [{ ...place, ...size(each) }] : [];
-    });
     const end = ({ instance, port }: PortAddress, right: boolean): Point | undefined => {
       const [component, place] = [known.get(instance), places.of.get(instance)];
       const at = component && portPlace(component, port, right);
@@ -478,7 +483,7 @@ export const Wiring = memo(function Wiring(props: {
       const [from, to] = [end(source, true), end(target, false)];
       if (!from || !to) return [];
       const proposed = arranged ? arrangement?.routes.get(name) : undefined;
-      if (!proposed || !isAt(proposed[0], from) || !isAt(proposed.at(-1), to) || !isClear(boxes, proposed)) return [{ name, from, to }];
+      if (!proposed || !isAt(proposed[0], from) || !isAt(proposed.at(-1), to) || !isClear(standing, proposed)) return [{ name, from, to }];
       taken.add(proposed);
       found.set(name, proposed);
       return [];
@@ -489,7 +494,7 @@ export const Wiring = memo(function Wiring(props: {
       const until = performance.now() + PART;
       while (waiting.length && performance.now() < until) {
         const wire = waiting.shift()!;
-        const points = route(boxes, wire, taken);
+        const points = route(standing, wire, taken);
         if (!points) continue;
         taken.add(points);
         found.set(wire.name, points);
@@ -501,7 +506,7 @@ export const Wiring = memo(function Wiring(props: {
     return () => {
       current = false;
     };
-  }, [places, connections, components, planned, arranged, arrangement]);
+  }, [places, standing, connections, components, planned, arranged, arrangement]);
 
   const drawn = useRef<ReadonlyMap<string, Wire>>(new Map());
   const edges = useMemo(() => {
@@ -634,7 +639,6 @@ export const Wiring = memo(function Wiring(props: {
           colorMode="system"
           ariaLabelConfig={LABELS}
           defaultEdgeOptions={{ interactionWidth: 16 }}
-          fitViewOptions={{ padding: 0.06 }}
           minZoom={0.05}
           nodesConnectable={full}
           nodesDraggable={full && !arranged}
@@ -688,7 +692,10 @@ export const Wiring = memo(function Wiring(props: {
         >
           <Background />
           <Distance of={section} />
-          <Controls showInteractive={false} orientation={isWide ? "vertical" : "horizontal"}>
+          <Controls showInteractive={false} showFitView={false} orientation={isWide ? "vertical" : "horizontal"}>
+            <ControlButton aria-label={t("Fit View")} title={t("Fit View")} onClick={fit}>
+              <Maximize aria-hidden />
+            </ControlButton>
             <ControlButton
               aria-pressed={arranged}
               aria-label={t("Arranged")}
@@ -714,13 +721,9 @@ export const Wiring = memo(function Wiring(props: {
                 <Group aria-hidden />
               </ControlButton>
             )}
-            <ControlButton aria-pressed={mapped} aria-label={t("Small map")} title={t("A small map of the whole wiring, by which the view is moved")} onClick={() => showMap(!mapped)}>
-              <MapIcon aria-hidden />
-            </ControlButton>
+            <MapButton corners={places?.corners} wanted={wanted} want={showMap} />
           </Controls>
-          {mapped && (
-            <MiniMap<Shown> position={corner ?? "top-right"} style={MAP} pannable zoomable ariaLabel={t("Map of the wiring")} nodeClassName={(node) => (node.type === "component" ? stateClass(node.data.component) : "bus")} />
-          )}
+          <SmallMap corners={places?.corners} wanted={wanted} />
         </ReactFlow>
         </Inspecting.Provider>
       {!components.length && (

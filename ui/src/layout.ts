@@ -5,6 +5,8 @@ import type { ElkNode, ElkPort } from "elkjs/lib/elk-api.js";
 import program from "elkjs/lib/elk-worker.min.js?url";
 import type { Line } from "./lines.ts";
 import type { Component, Connection, Location, Port } from "./protocol/Ui.ts";
+import { CLEAR, isClear } from "./routes.ts";
+import type { Rectangle } from "./routes.ts";
 import { t } from "./texts.ts";
 
 const HEADER = 46;
@@ -20,8 +22,9 @@ const PADDING = 24;
 /** Scale of places by RT System Editor, whose boxes are narrower. */
 const SPREAD = 1.5;
 const MARGIN = 16;
-/** Space for the buttons of the view. */
+/** Space for the buttons of the view: at its left, or below a narrow one. */
 const LEFT = 52;
+const BELOW = 72;
 /** Size of a node of a bus [px]. */
 export const NODE = { width: 132, height: 40 };
 /** Gaps between boxes and a bus, two boxes on a bus, two buses. */
@@ -42,6 +45,19 @@ export interface Rail {
   at: Point;
   width: number;
   middles: readonly number[];
+}
+
+/** The distance between a line to a bus and its box, or a box beside it [px]. */
+export const BESIDE = 10;
+
+/** Where a line goes down to a bus, from the lower edge of a box that others may be below: past them, beside the lines of other nodes. */
+export function descent(from: Point, bottom: number, boxes: readonly Rectangle[], node: number): number {
+  const below = boxes.filter((each) => each.y >= from.y && each.y < bottom);
+  const isFree = (x: number) => !below.some((each) => x > each.x - CLEAR && x < each.x + each.width + CLEAR);
+  const isReached = (x: number) => isClear(boxes, [{ x: from.x, y: from.y + BESIDE }, { x, y: from.y + BESIDE }]);
+  const away = BESIDE + 3 * node;
+  const ways = [from.x, ...below.flatMap((each) => [each.x - away, each.x + each.width + away])].filter((x) => isFree(x) && isReached(x));
+  return ways.sort((a, b) => Math.abs(a - from.x) - Math.abs(b - from.x))[0] ?? from.x;
 }
 
 /** The components without connections, which are placed at their bus. */
@@ -184,7 +200,7 @@ function ends(component: Component): ElkPort[] {
 
 /** The zoom at which boxes fit a view whose buttons are at its left, or in a narrow one at its bottom. */
 const zoom = (across: number, down: number, wide: number, high: number, narrow = false): number =>
-  narrow ? Math.min((wide - MARGIN) / across, (high - LEFT - MARGIN) / down) : Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down);
+  narrow ? Math.min((wide - MARGIN) / across, (high - BELOW - MARGIN / 2) / down) : Math.min((wide - LEFT - MARGIN) / across, (high - 2 * MARGIN) / down);
 
 /** A layout of proportions that differ more from those of its view wastes space, so that others are tried. */
 const SKEWED = 1.6;
@@ -335,7 +351,7 @@ export function view([start, end]: [Point, Point], wide: number, high: number, n
   const scale = Math.min(1, Math.max(0, zoom(across, down, wide, high, narrow)));
   return {
     x: Math.max(narrow ? MARGIN / 2 : LEFT, (wide - across * scale) / 2) - start.x * scale,
-    y: Math.max(narrow ? MARGIN / 2 : MARGIN, (high - down * scale - (narrow ? LEFT : 0)) / 2) - start.y * scale,
+    y: Math.max(narrow ? MARGIN / 2 : MARGIN, (high - down * scale - (narrow ? BELOW : 0)) / 2) - start.y * scale,
     zoom: scale,
   };
 }

@@ -17,7 +17,7 @@ export interface Ends {
 /** The distances of lines from a box [px]. */
 const LANES = [12, 20, 28];
 /** The least distance from a box [px]. */
-const CLEAR = 6;
+export const CLEAR = 6;
 const BEND = 40;
 /** What a pixel on the line of another wire costs. */
 const SHARED = 4;
