@@ -18,7 +18,7 @@ const listed = (values: BoardCall["request_values"]): string => values.map((each
 export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
   return (
     <div className="rows" tabIndex={0}>
-      <table aria-label={t("Calls to the board")}>
+      <table className="calls" aria-label={t("Calls to the board")}>
         <thead>
           <tr>
             <th scope="col">{t("time [s]")}</th>

@@ -1,7 +1,7 @@
 /** CAN buses: frames in words, signals, emergencies, nodes, objects, load, sending. */
 
 import { Eraser, Pause, Rows3 } from "lucide-react";
-import type { CSSProperties, ReactNode } from "react";
+import type { ReactNode } from "react";
 import { useState } from "react";
 import type { Curve } from "./curves.ts";
 import { filterOf } from "./filter.ts";
@@ -139,14 +139,10 @@ function Octets({ seen: { frame, changed } }: { seen: Seen }) {
   ));
 }
 
-/** The widths of columns where the meaning of a frame is below its octets. */
-const PLAIN = "6em 5em 3.5em 6.5em 1fr";
-const COUNTED = "5.5em 3.5em 4em 4.5em 3em 5.5em 1fr";
-
 function Frames({ frames, caption, counted = false }: { frames: readonly Seen[]; caption: string; counted?: boolean }) {
   return (
     <div className="rows" tabIndex={0}>
-      <table aria-label={caption} className="frames" style={{ "--columns": counted ? COUNTED : PLAIN } as CSSProperties}>
+      <table aria-label={caption} className={counted ? "frames counted" : "frames"}>
         <thead>
           <tr>
             <th scope="col">{t("time [s]")}</th>

@@ -262,15 +262,17 @@ export function Drive({ system, full, map }: { system: SystemState; full: boolea
       {!full ? (
         <p>{t("This page may only look.")}</p>
       ) : target ? (
-        <Pad key={target.name} target={target} speed={speed} rate={rate} />
+        <>
+          <Pad key={target.name} target={target} speed={speed} rate={rate} />
+          <p>
+            <small id="stick-help">
+              {t("Pull the stick, or focus it and hold arrow keys or W A S D, Q E (Shift and the mouse) sideways; Space stops. A gamepad drives while this view is open.")}
+            </small>
+          </p>
+        </>
       ) : (
         <p>{known.length ? t("Choose the port that gets the commands.") : t("No port takes travel commands.")}</p>
       )}
-      <p>
-        <small id="stick-help">
-          {t("Pull the stick, or focus it and hold arrow keys or W A S D, Q E (Shift and the mouse) sideways; Space stops. A gamepad drives while this view is open.")}
-        </small>
-      </p>
       {map && <MapView system={system} />}
     </>
   );

@@ -60,6 +60,9 @@ function BoardOf({ instance, open }: { instance: string; open: (view: View) => v
   );
 }
 
+/** A text in which no line ends between a number and what is counted. */
+const together = (text: string): string => text.replaceAll(/(?<=\d) /g, "\u00a0");
+
 export function Panel(props: {
   view: View;
   system: SystemState;
@@ -94,11 +97,11 @@ export function Panel(props: {
             <span className={`state ${stateClass(component)}`}>{stateOf(component)}</span> <bdi>{component.type}</bdi>
             {component.contexts.map((each) => (
               <Fragment key={each.handle}>
-                , {each.rate} Hz <bdi>{each.kind.toLowerCase()}</bdi>
+                , {each.rate}{"\u00a0"}Hz <bdi>{each.kind.toLowerCase()}</bdi>
                 {!each.running && t(", stopped")}
               </Fragment>
             ))}
-            {statistics && t(", {ticks} ticks, {overruns} overruns, {lost} lost", { ticks: statistics.ticks, overruns: statistics.overruns, lost: statistics.lost })}
+            {statistics && together(t(", {ticks} ticks, {overruns} overruns, {lost} lost", { ticks: statistics.ticks, overruns: statistics.overruns, lost: statistics.lost }))}
           </p>
           {system.beside && store.page.beside.has(component.instance) && <p>{t("beside: {state}", { state: store.page.beside.get(component.instance)! })}</p>}
           {component.silent && <p className="reason">{component.silent}</p>}

@@ -100,6 +100,14 @@ function labels(_: unknown, splits: readonly number[]): string[] {
 /** Space for the longest label of an axis [px]. */
 const space = (_: unknown, labels: readonly string[] | null): number => 20 + 7 * Math.max(4, ...(labels ?? []).map((each) => each.length));
 
+/** The range of an axis. `zero`: from 0; a value that does not change is in the middle. */
+function shownValues(least: number | null, most: number | null, zero: boolean): uPlot.Range.MinMax {
+  if (least === null || most === null) return [null, null];
+  if (zero) return [0, 1.1 * most || 1];
+  const around = Math.abs(most) / 10 || 1;
+  return least === most ? [least - around, most + around] : uPlot.rangeNum(least, most, 0.1, true);
+}
+
 function options(curves: readonly Curve[], text: string, size: { width: number; height: number }, zero: boolean): uPlot.Options {
   const units = [...new Set(curves.map((each) => each.unit))];
   const axis = { stroke: text, grid: { stroke: "#8884", width: 1 }, ticks: { stroke: "#8884" } };
@@ -107,7 +115,7 @@ function options(curves: readonly Curve[], text: string, size: { width: number; 
     ...size,
     scales: {
       x: { time: false, range: (_, first, last) => shownTimes(first, last) },
-      ...(zero && Object.fromEntries(units.map((unit) => [scaleOf(unit), { range: (_: unknown, __: unknown, most: number): [number, number] => [0, 1.1 * most || 1] }]))),
+      ...Object.fromEntries(units.map((unit) => [scaleOf(unit), { range: (_: unknown, least: number | null, most: number | null) => shownValues(least, most, zero) }])),
     },
     legend: { show: false },
     cursor: {

@@ -43,8 +43,37 @@ _LOOKS = 30
 _BETWEEN = 100
 """Milliseconds between two looks."""
 
-_FLAWS = """([contrast, least, part]) => {
+_FLAWS = """async ([contrast, least, part]) => {
     const flaws = [];
+    // What a map has written last: inside of it, and no two texts over each other.
+    for (const map of document.querySelectorAll(`${part} .map canvas`)) {
+        if (!map.clientWidth) continue;
+        const context = map.getContext("2d");
+        const { clearRect, fillText } = CanvasRenderingContext2D.prototype;
+        let texts = [];
+        context.clearRect = (...area) => {
+            texts = [];
+            clearRect.apply(context, area);
+        };
+        context.fillText = (text, x, y) => {
+            const { width, actualBoundingBoxAscent: above } = context.measureText(text);
+            texts.push({ text, left: x, right: x + width, top: y - above, bottom: y });
+            fillText.call(context, text, x, y);
+        };
+        const frame = () => new Promise(requestAnimationFrame);
+        await frame().then(frame);
+        delete context.clearRect;
+        delete context.fillText;
+        for (const [i, one] of texts.entries()) {
+            if (one.left < 0 || one.top < 0
+                || one.right > map.clientWidth || one.bottom > map.clientHeight)
+                flaws.push(`cut on the map: ${one.text}`);
+            for (const other of texts.slice(i + 1))
+                if (one.left < other.right && other.left < one.right
+                    && one.top < other.bottom && other.top < one.bottom)
+                    flaws.push(`over each other on the map: ${one.text}, ${other.text}`);
+        }
+    }
     const about = each => {
         const name = each.getAttribute("aria-label") ?? each.textContent.trim().slice(0, 40);
         return `${each.tagName.toLowerCase()}.${each.className} "${name}"`;
@@ -92,6 +121,20 @@ _FLAWS = """([contrast, least, part]) => {
         const over = document.elementFromPoint(left + width / 2, top + height / 2);
         if (seen(each) && over?.closest(".react-flow__panel, .react-flow__minimap, .peek"))
             flaws.push(`covered: ${about(each)} by ${about(over)}`);
+    }
+    // Lines to a bus go through no box.
+    const boxes = [...document.querySelectorAll(`${part} .box`)].filter(seen);
+    const inside = boxes.map(each => [each, each.getBoundingClientRect()]);
+    for (const each of document.querySelectorAll(`${part} .drop`)) {
+        const [whole, onto] = [each.getTotalLength(), each.getScreenCTM()];
+        for (let at = 4; at < whole - 4; at += 4) {
+            const { x, y } = each.getPointAtLength(at).matrixTransform(onto);
+            const found = inside.find(([, { left, right, top, bottom }]) =>
+                x > left + 2 && x < right - 2 && y > top + 2 && y < bottom - 2);
+            if (!found) continue;
+            flaws.push(`a line to a bus through ${about(found[0])}`);
+            break;
+        }
     }
     const page = document.documentElement;
     if (page.scrollWidth > innerWidth) flaws.push(`the page is ${page.scrollWidth} px wide`);
