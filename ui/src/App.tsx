@@ -21,13 +21,14 @@ import { Tabs } from "./kit/Tabs.tsx";
 import { Keys, useKeys } from "./keys.tsx";
 import { MapView } from "./MapView.tsx";
 import { Palette } from "./Palette.tsx";
-import { Panel, Timeline } from "./Panel.tsx";
+import { Panel } from "./Panel.tsx";
 import { Plots } from "./Plots.tsx";
 import { openPicker } from "./picker.ts";
 import { Rename } from "./Rename.tsx";
 import { PHONE, ROOM, useWidth } from "./width.ts";
 import { TimeBar } from "./TimeBar.tsx";
-import { COMPONENT, PRESETS, hasContent, isOfComponent, isSeen, isView, read, titleOf } from "./views.ts";
+import { Timeline } from "./Timeline.tsx";
+import { COMPONENT, PRESETS, emptiness, isOfComponent, isSeen, isView, read, titleOf } from "./views.ts";
 import type { View } from "./views.ts";
 import { Wiring } from "./Wiring.tsx";
 import { Arranger, Workspace } from "./Workspace.tsx";
@@ -118,14 +119,14 @@ export function App() {
   }, [arranger]);
 
   const calls = store.traffic.calls.length;
-  const offered = (view: View): boolean => system !== undefined && hasContent(view, system, calls);
-  const [buses, boards, names] = [offered("Buses"), offered("Boards"), offered("Palette")];
+  const emptinessOf = (view: View): string => (system ? emptiness(view, system, calls) : "");
+  const [noBus, noBoard, names] = [emptinessOf("Buses"), emptinessOf("Boards"), system !== undefined && system.naming.length > 0];
   const isReady = system !== undefined && isWide;
   const trim = useCallback(() => {
-    for (const [view, has] of [["Buses", buses], ["Boards", boards]] as const)
-      if (has) arranger.add(view);
+    for (const [view, empty] of [["Buses", noBus], ["Boards", noBoard]] as const)
+      if (!empty) arranger.add(view);
       else if (!arranger.isAlone(view)) arranger.close(view);
-  }, [arranger, buses, boards]);
+  }, [arranger, noBus, noBoard]);
   const arrange = useCallback(
     (name: string) => {
       arranger.arrange(PRESETS[name]!());
@@ -204,7 +205,7 @@ export function App() {
       </div>
     );
   };
-  const head = { page, full, adding: isWide ? panes.includes("Palette") : shown === "Palette", add, arrange };
+  const head = { page, full, adding: isWide ? panes.includes("Palette") : shown === "Palette", add, arrange, emptiness: emptinessOf };
   return (
     <Tooltip.Provider delayDuration={400}>
       <div className={`app ${isWide ? "wide" : "narrow"}`} onKeyDown={openPicker}>
@@ -226,7 +227,7 @@ export function App() {
           </main>
         ) : isWide ? (
           <main>
-            <Workspace handle={handle} first={read(remembered()) ?? PRESETS["Wire"]!()} changed={changed} content={content} />
+            <Workspace handle={handle} first={read(remembered()) ?? PRESETS["Wire"]!()} changed={changed} content={content} emptiness={emptinessOf} />
           </main>
         ) : (
           <main>
@@ -272,9 +273,9 @@ export function App() {
           </p>
         )}
         {system && <Compare system={system} selected={selected} full={full} open={() => open("Plots")} />}
-        {system && <TimeBar system={system} full={full} lines={page.lines} live={page.link === "live"} brief={isPhone && shown !== "Timeline"} />}
+        {system && <TimeBar system={system} full={full} lines={page.lines} live={page.link === "live"} playing={page.playing} brief={isPhone && shown !== "Timeline"} />}
         {system && !isWide && (
-          <Bar shown={shown} show={open} offered={offered}>
+          <Bar shown={shown} show={open} emptiness={emptinessOf}>
             {isPhone && <Tools {...head} />}
           </Bar>
         )}
@@ -289,6 +290,7 @@ export function App() {
           select={select}
           open={open}
           arrange={isWide ? arrange : undefined}
+          emptiness={emptinessOf}
           help={() => ask("keys")}
           rename={rename}
         />

@@ -18,10 +18,10 @@ const SHOWN: readonly (readonly [View, string, LucideIcon])[] = [
   ["Timeline", t("Time"), History],
 ];
 
-export function Bar({ shown, show, offered, children }: { shown: View; show: (view: View) => void; offered: (view: View) => boolean; children?: ReactNode }) {
+export function Bar({ shown, show, emptiness, children }: { shown: View; show: (view: View) => void; emptiness: (view: View) => string; children?: ReactNode }) {
   const [more, open] = useState(false);
   const isIn = (view: View) => view === shown || (view === "Values" && isOfComponent(shown));
-  const rest = VIEWS.filter((each) => !isOfComponent(each) && !SHOWN.some(([view]) => view === each) && (each === "Palette" || offered(each)));
+  const rest = VIEWS.filter((each) => !isOfComponent(each) && !SHOWN.some(([view]) => view === each) && !emptiness(each));
   return (
     <nav className="bar" aria-label={t("Views")}>
       {SHOWN.map(([view, name, Icon]) => (

@@ -2,10 +2,10 @@
 
 import { Command } from "cmdk";
 import type { Command as Order, Component, SystemState } from "./protocol/Ui.ts";
-import { obstacleToAll, stateOf, store } from "./store.ts";
+import { STEP, obstacleToAll, stateOf, store } from "./store.ts";
 import { languages, t } from "./texts.ts";
 import type { View } from "./views.ts";
-import { LAYOUTS, PRESETS, VIEWS, titleOf } from "./views.ts";
+import { COMPONENT, LAYOUTS, PRESETS, SYSTEM, obstacleToPreset, titleOf } from "./views.ts";
 
 /** How well a name has all words of a search: best at its beginning, then at that of its words; 0: not. */
 function rank(name: string, search: string): number {
@@ -24,11 +24,13 @@ interface Props {
   open: (view: View) => void;
   /** Undefined where there is no room for panes. */
   arrange: ((name: string) => void) | undefined;
+  /** Why a view has nothing to show. */
+  emptiness: (view: View) => string;
   help: () => void;
   rename: (instance: string) => void;
 }
 
-export function Commands({ system, full, component, close, select, open, arrange, help, rename }: Props) {
+export function Commands({ system, full, component, close, select, open, arrange, emptiness, help, rename }: Props) {
   const { time, edits } = system;
   const simulated = time.kind === "CLOCK_SIMULATED";
   const obstacle = obstacleToAll(system);
@@ -48,12 +50,20 @@ export function Commands({ system, full, component, close, select, open, arrange
     </Command.Item>
   );
   const order = (name: string, asked: Order, keys = "", more = "") => item(name, () => void store.order(asked), keys, more);
-  const orderAll = (name: string, asked: Order) => item(name, () => void store.order(asked), "", obstacle, obstacle !== "");
+  const itemUnless = (obstacle: string, name: string, act: () => void) => item(name, act, "", obstacle, obstacle !== "");
+  const orderAll = (name: string, asked: Order) => itemUnless(obstacle, name, () => void store.order(asked));
+  const view = (view: View) => itemUnless(emptiness(view), t("View {view}", { view: titleOf(view) }), () => open(view));
   return (
     <Command.Dialog open onOpenChange={(shown) => shown || close()} label={t("Find a command")} overlayClassName="veil" contentClassName="dialog commands" filter={rank} loop>
       <Command.Input placeholder={t("Command, component, view, system")} />
       <Command.List label={t("Found")}>
         <Command.Empty>{t("Nothing has this name.")}</Command.Empty>
+        {time.kind === "CLOCK_RECORDING" && (
+          <Command.Group heading={t("Recording")}>
+            {item(store.page.playing ? t("Pause") : t("Play"), () => store.play(!store.page.playing), "Space")}
+            {item(t("Step"), () => store.step(STEP), ".")}
+          </Command.Group>
+        )}
         {full && (
           <Command.Group heading={t("Run")}>
             {simulated && order(time.playing ? t("Pause") : t("Play"), time.playing ? { case: "paused", value: true } : { case: "played", value: true }, "Space")}
@@ -78,9 +88,13 @@ export function Commands({ system, full, component, close, select, open, arrange
           {component && item(t("Overview"), () => select(""))}
           {system.components.map((each) => item(t("Select {instance}", { instance: each.instance }), () => select(each.instance), "", `${each.type}, ${stateOf(each)}`))}
         </Command.Group>
-        <Command.Group heading={t("Views")}>
-          {VIEWS.map((view) => (view === "Palette" ? item(t("Palette of components"), () => open(view)) : item(t("View {view}", { view: titleOf(view) }), () => open(view))))}
-          {arrange && Object.keys(PRESETS).map((name) => item(t("Layout {name}", { name: LAYOUTS[name] ?? name }), () => arrange(name)))}
+        <Command.Group heading={t("Views of the component")}>{COMPONENT.map(view)}</Command.Group>
+        <Command.Group heading={t("Views of the system")}>
+          {(["Wiring", ...SYSTEM] as const).map(view)}
+          {item(t("Palette of components"), () => open("Palette"))}
+          {arrange && Object.keys(PRESETS).map((name) => itemUnless(obstacleToPreset(name, emptiness), t("Layout {name}", { name: LAYOUTS[name] ?? name }), () => arrange(name)))}
+        </Command.Group>
+        <Command.Group heading={t("Page")}>
           {item(t("Keys"), help, "?")}
           {languages().map(({ name, act }) => item(name, act))}
         </Command.Group>

@@ -10,7 +10,8 @@ import type { EditState, SystemState } from "./protocol/Ui.ts";
 import type { Page } from "./store.ts";
 import { obstacleToAll, store } from "./store.ts";
 import { LANGUAGES, language, languages, t } from "./texts.ts";
-import { LAYOUTS, PRESETS } from "./views.ts";
+import type { View } from "./views.ts";
+import { LAYOUTS, PRESETS, obstacleToPreset } from "./views.ts";
 
 /** The names of systems by their files, with the folder where a name alone is ambiguous. */
 function namesOf(files: readonly string[]): ReadonlyMap<string, string> {
@@ -159,8 +160,14 @@ export function Tools({ page: { system }, full, adding, add }: Shown) {
   );
 }
 
+interface Arranging {
+  arrange: (name: string) => void;
+  /** Why a view has nothing to show. */
+  emptiness: (view: View) => string;
+}
+
 /** Panes for a purpose. */
-function Layouts({ arrange }: { arrange: (name: string) => void }) {
+function Layouts({ arrange, emptiness }: Arranging) {
   const [menu, show] = useState<Place>();
   return (
     <>
@@ -174,7 +181,7 @@ function Layouts({ arrange }: { arrange: (name: string) => void }) {
       >
         {t("Layout")}
       </Button>
-      {menu && <Menu place={menu} items={Object.keys(PRESETS).map((name) => ({ name: LAYOUTS[name] ?? name, act: () => arrange(name) }))} close={() => show(undefined)} />}
+      {menu && <Menu place={menu} items={Object.keys(PRESETS).map((name) => ({ name: LAYOUTS[name] ?? name, act: () => arrange(name), obstacle: obstacleToPreset(name, emptiness) }))} close={() => show(undefined)} />}
     </>
   );
 }
@@ -199,8 +206,8 @@ export function LanguageMenu() {
   );
 }
 
-export function Head(props: Shown & { isPhone: boolean; isWide: boolean; arrange: (name: string) => void; ask: (what: "commands" | "keys") => void }) {
-  const { page, full, isPhone, isWide, arrange, ask } = props;
+export function Head(props: Shown & Arranging & { isPhone: boolean; isWide: boolean; ask: (what: "commands" | "keys") => void }) {
+  const { page, full, isPhone, isWide, arrange, emptiness, ask } = props;
   const { system } = page;
   const past = system?.time.past ?? false;
   const { undo = "", redo = "" } = system?.edits ?? {};
@@ -219,7 +226,7 @@ export function Head(props: Shown & { isPhone: boolean; isWide: boolean; arrange
             <IconButton icon={Undo2} label={t("Undo")} tip={undo ? t("Undo: {undo}", { undo }) : t("Undo")} keys="Ctrl Z" disabled={!full || undo === ""} onClick={() => store.order({ case: "undone", value: true })} />
             <IconButton icon={Redo2} label={t("Redo")} tip={redo ? t("Redo: {redo}", { redo }) : t("Redo")} keys="Ctrl Y" disabled={!full || redo === ""} onClick={() => store.order({ case: "redone", value: true })} />
           </div>
-          {isWide && <Layouts arrange={arrange} />}
+          {isWide && <Layouts arrange={arrange} emptiness={emptiness} />}
         </>
       )}
       <span className={`link ${page.link}`} role="status">

@@ -5,6 +5,10 @@ import { useLayoutEffect, useRef } from "react";
 export interface Item {
   name: string;
   act: () => void;
+  /** Why it cannot be chosen; empty if it can. */
+  obstacle?: string;
+  /** Whether it begins a group. */
+  begins?: boolean;
 }
 
 /** The subject of a menu, and its position [px of the page]. */
@@ -45,17 +49,22 @@ export function Menu({ place, items, close }: { place: Place; items: readonly It
       }}
       onBlur={(e) => e.currentTarget.contains(e.relatedTarget) || close()}
     >
-      {items.map(({ name, act }) => (
+      {items.map(({ name, act, obstacle = "", begins }) => (
         <button
           key={name}
           type="button"
           role="menuitem"
+          className={begins ? "begins" : ""}
+          aria-disabled={obstacle !== ""}
+          title={obstacle}
           onClick={() => {
+            if (obstacle) return;
             end();
             act();
           }}
         >
           {name}
+          {obstacle && <small>{obstacle}</small>}
         </button>
       ))}
     </div>

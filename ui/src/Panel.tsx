@@ -1,4 +1,4 @@
-/** The views of the selected component, below what it is and how it does; and the timeline. */
+/** The views of the selected component, below what it is and how it does. */
 
 import { Fragment } from "react";
 import { Configuration } from "./Configuration.tsx";
@@ -10,26 +10,12 @@ import { IconButton } from "./kit/Button.tsx";
 import { Inspector } from "./Inspector.tsx";
 import type { Subject } from "./Inspector.tsx";
 import { Overview } from "./Overview.tsx";
-import type { Line, Statistics } from "./store.ts";
+import type { Statistics } from "./store.ts";
 import { Values } from "./Values.tsx";
 import { stateClass, stateOf, store } from "./store.ts";
 import { t } from "./texts.ts";
 import type { View } from "./views.ts";
 import { titleOf } from "./views.ts";
-
-export function Timeline({ lines }: { lines: readonly Line[] }) {
-  // Changes of the compared run arrive slightly later than they happened.
-  const sorted = [...lines].sort((a, b) => a.time - b.time).reverse();
-  return (
-    <ol className="timeline">
-      {sorted.map((line, i) => (
-        <li key={lines.length - i} className={`line-${line.kind}`}>
-          <time>{line.time.toFixed(3)} s</time> <bdi>{line.instance}</bdi> <bdi>{line.text}</bdi>
-        </li>
-      ))}
-    </ol>
-  );
-}
 
 /** What is known of the board that a component calls. */
 function BoardOf({ instance, open }: { instance: string; open: (view: View) => void }) {

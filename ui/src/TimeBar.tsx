@@ -7,7 +7,7 @@ import { Menu } from "./Menu.tsx";
 import type { Place } from "./Menu.tsx";
 import type { PlannedEvent, SystemState } from "./protocol/Ui.ts";
 import type { Line } from "./store.ts";
-import { store } from "./store.ts";
+import { STEP, store } from "./store.ts";
 import { t } from "./texts.ts";
 
 /** Minimum step of the slider [s], and its number of steps. */
@@ -37,29 +37,30 @@ function Speed({ speeds, speed, disabled, choose }: { speeds: readonly number[];
   );
 }
 
-/** Plays a recording, first as fast as it was recorded; at its end, from its beginning. */
-function Player({ now, first, last }: { now: number; first: number; last: number }) {
-  const [playing, play] = useState(false);
+/** Plays a recording, first as fast as it was recorded. */
+function Player({ now, first, last, playing }: { now: number; first: number; last: number; playing: boolean }) {
   const [speed, setSpeed] = useState(1);
   const over = now >= last;
   useEffect(() => {
-    if (!playing || over) return;
+    if (!playing) return;
+    if (over) {
+      store.play(false);
+      return;
+    }
     const next = setTimeout(() => void store.look(Math.min(now + FRAME * speed, last)), 1000 * FRAME);
     return () => clearTimeout(next);
   }, [playing, speed, over, now, last]);
-  const isPlaying = playing && !over;
   return (
     <>
       <IconButton
-        icon={isPlaying ? Pause : Play}
+        icon={playing ? Pause : Play}
         look="primary"
-        label={isPlaying ? t("Pause") : t("Play")}
+        label={playing ? t("Pause") : t("Play")}
+        keys="Space"
         disabled={last <= first}
-        onClick={() => {
-          if (over) void store.look(first);
-          play(!isPlaying);
-        }}
+        onClick={() => store.play(!playing)}
       />
+      <IconButton icon={StepForward} label={t("Step")} keys="." disabled={over} onClick={() => store.step(STEP)} />
       <Speed speeds={SPEEDS.filter(Boolean)} speed={speed} disabled={last <= first} choose={setSpeed} />
     </>
   );
@@ -144,7 +145,7 @@ function marksOf(lines: readonly Line[], plan: readonly PlannedEvent[], now: num
 }
 
 /** `brief`: what a phone has room for below another view. */
-export function TimeBar({ system, full, lines, live, brief }: { system: SystemState; full: boolean; lines: readonly Line[]; live: boolean; brief: boolean }) {
+export function TimeBar({ system, full, lines, live, playing, brief }: { system: SystemState; full: boolean; lines: readonly Line[]; live: boolean; playing: boolean; brief: boolean }) {
   const { time, plan, components } = system;
   const [goal, setGoal] = useState("");
   const simulated = time.kind === "CLOCK_SIMULATED";
@@ -173,7 +174,7 @@ export function TimeBar({ system, full, lines, live, brief }: { system: SystemSt
             <IconButton icon={StepForward} label={t("Step")} keys="." disabled={!full || time.playing} onClick={() => store.order({ case: "step", value: 0 })} />
           </>
         )}
-        {recording && <Player now={time.now} first={time.first} last={time.last} />}
+        {recording && <Player now={time.now} first={time.first} last={time.last} playing={playing} />}
         <output aria-label={t("Time of the run")}>{time.now.toFixed(3)} s</output>
         {simulated && !brief && (
           <Speed speeds={SPEEDS} speed={time.speed} disabled={!full} choose={(speed) => void store.order({ case: "speed", value: speed })} />

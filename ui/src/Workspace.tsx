@@ -2,7 +2,7 @@
 
 import { ArrowLeftRight, EllipsisVertical } from "lucide-react";
 import type { KeyboardEvent, ReactNode, RefObject } from "react";
-import { useMemo, useState } from "react";
+import { createContext, useContext, useMemo, useRef, useState } from "react";
 import { Separator, Workspace as Panes, useParentTabsetState, useParentWorkspace } from "react-resizable-panels";
 import type { HiddenTabBehavior, Orientation, TabNode, TabRenderProps, TabsetNode, WorkspaceImperativeHandle } from "react-resizable-panels";
 import { IconButton } from "./kit/Button.tsx";
@@ -61,11 +61,15 @@ export class Arranger {
   }
 }
 
+/** Why views have nothing to show; a reference, since the panes need not be drawn again for it. */
+const Emptiness = createContext<RefObject<(view: View) => string>>({ current: () => "" });
+
 function Tab({ tab, props }: { tab: TabNode<View>; props: TabRenderProps }) {
   const handle = useParentWorkspace<View>();
   return (
     <div
       {...props}
+      data-group={isOfComponent(tab.data) ? "component" : "system"}
       onKeyDown={(e: KeyboardEvent<HTMLElement>) => {
         // Delete is for what is selected in the wiring; views are closed by the menu of their pane.
         if (e.key === "Delete" || e.key === "Backspace") return;
@@ -87,6 +91,7 @@ const renderSeparator = (orientation: Orientation) => <Separator className={`gri
 function Toolbar({ tabset }: { tabset: TabsetNode<View> }) {
   const handle = useParentWorkspace<View>();
   const state = useParentTabsetState();
+  const emptiness = useContext(Emptiness);
   const [menu, show] = useState<Place>();
   if (!handle || !state) return null;
   const view = (tabset.selectedId ?? tabset.tabs[0]?.id) as View | undefined;
@@ -107,7 +112,12 @@ function Toolbar({ tabset }: { tabset: TabsetNode<View> }) {
         : []),
       ...(state.isRoot ? [] : [state.isMaximized ? { name: t("All panes"), act: () => handle.restoreTabset() } : { name: t("This pane alone"), act: () => handle.maximizeTabset(tabset.id) }]),
       ...(opened.length > 1 ? [{ name: t("Close {view}", { view: titleOf(view) }), act: () => handle.closeTab(view) }] : []),
-      ...VIEWS.filter((each) => !tabset.tabs.some(({ id }) => id === each)).map((each) => ({ name: t("Show {view} here", { view: titleOf(each) }), act: () => void put(each) })),
+      ...VIEWS.filter((each) => !tabset.tabs.some(({ id }) => id === each)).map((each, i, all) => ({
+        name: t("Show {view} here", { view: titleOf(each) }),
+        act: () => void put(each),
+        obstacle: emptiness.current(each),
+        begins: i === 0 || isOfComponent(each) !== isOfComponent(all[i - 1]!),
+      })),
     ];
   };
   const isMain = panes(handle.getModel().root)[0]?.id === tabset.id;
@@ -141,11 +151,15 @@ interface Props {
   /** Is called with the panes as text whenever they have changed. */
   changed: (text: string) => void;
   content: (view: View) => ReactNode;
+  emptiness: (view: View) => string;
 }
 
-export function Workspace({ handle, first, changed, content }: Props) {
+export function Workspace({ handle, first, changed, content, emptiness }: Props) {
+  const latest = useRef(emptiness);
+  latest.current = emptiness;
   const model = useMemo(() => ({ version: 1 as const, root: first }), []);
   return (
+    <Emptiness value={latest}>
     <Panes<View>
       className="panes"
       workspaceRef={handle}
@@ -160,5 +174,6 @@ export function Workspace({ handle, first, changed, content }: Props) {
       tabsetMinWidth="240px"
       tabsetMinHeight="120px"
     />
+    </Emptiness>
   );
 }

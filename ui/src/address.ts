@@ -1,6 +1,8 @@
-/** What the address says of the page behind its #: the panes, the selected component, the view of a narrow page. */
+/** What the address says of the page behind its #: the panes, the selected component, the view of a narrow page, the filter of the timeline. */
 
-type Name = "panes" | "component" | "view";
+import { useEffect, useState } from "react";
+
+type Name = "panes" | "component" | "view" | "kind" | "of" | "words";
 
 function parts(): Map<string, string> {
   const pairs = location.hash
@@ -29,4 +31,21 @@ export function state(name: Name, text: string): void {
   else all.delete(name);
   const hash = [...all].map(([name, text]) => `${name}=${text}`).join("&");
   history.replaceState(null, "", `${location.pathname}${location.search}${hash && `#${hash}`}`);
+}
+
+/** A part of the page that is kept in its address. */
+export function useStated(name: Name): readonly [string, (text: string) => void] {
+  const [text, setText] = useState(() => stated(name));
+  useEffect(() => {
+    const follow = () => setText(stated(name));
+    window.addEventListener("hashchange", follow);
+    return () => window.removeEventListener("hashchange", follow);
+  }, [name]);
+  return [
+    text,
+    (text) => {
+      setText(text);
+      state(name, text);
+    },
+  ];
 }

@@ -70,7 +70,12 @@ export interface Page {
   differs: boolean;
   /** The times that plots are zoomed to [s]. */
   zoom: readonly [number, number] | undefined;
+  /** Whether a recording is played. */
+  playing: boolean;
 }
+
+/** The step by which one looks back, or on in a recording [s]. */
+export const STEP = 0.1;
 
 const TOKEN = "rtgen.token";
 
@@ -123,6 +128,7 @@ const unavailable: Page = {
   span: 0,
   differs: false,
   zoom: undefined,
+  playing: false,
 };
 
 /** The id of the first channel; each run assigns new ones. */
@@ -249,6 +255,21 @@ export class Store {
       await this.order({ case: "looked", value: next });
     }
     this.looking = false;
+  }
+
+  /** Plays a recording, at its end from its beginning, or stops it. */
+  play(playing: boolean): void {
+    const time = this.page.system?.time;
+    if (playing && time && time.now >= time.last) void this.look(time.first);
+    this.change({ playing });
+  }
+
+  /** Stops a recording, and moves in it by a time [s]. */
+  step(by: number): void {
+    const time = this.page.system?.time;
+    if (!time) return;
+    this.change({ playing: false });
+    void this.look(Math.min(Math.max(time.now + by, time.first), time.last));
   }
 
   span(seconds: number): void {

@@ -7,7 +7,7 @@ import { t } from "./texts.ts";
 
 /** Views of the selected component, or of the system while none is selected. */
 export const COMPONENT = ["Values", "Connections", "Configuration", "Services"] as const;
-const SYSTEM = ["Plots", "Map", "Drive", "Buses", "Boards", "Console", "Timeline"] as const;
+export const SYSTEM = ["Plots", "Map", "Drive", "Buses", "Boards", "Console", "Timeline"] as const;
 export const VIEWS = ["Wiring", ...COMPONENT, ...SYSTEM, "Palette"] as const;
 export type View = (typeof VIEWS)[number];
 
@@ -34,12 +34,11 @@ export type Tree = TabsetNodeInput<View> | SplitNodeInput<View>;
 export const isView = (name: string): name is View => (VIEWS as readonly string[]).includes(name);
 export const isOfComponent = (view: View): boolean => (COMPONENT as readonly string[]).includes(view);
 
-/** Whether a view has anything to show; others are offered all the same when all views are listed. */
-export function hasContent(view: View, system: SystemState, calls: number): boolean {
-  if (view === "Buses") return linesOf(system.components, system.buses).length > 0;
-  if (view === "Boards") return calls > 0;
-  if (view === "Palette") return system.naming.length > 0;
-  return true;
+/** Why a view has nothing to show; empty if it has something. */
+export function emptiness(view: View, { components, buses }: Pick<SystemState, "components" | "buses">, calls: number): string {
+  if (view === "Buses" && !linesOf(components, buses).length) return t("There is no CAN bus.");
+  if (view === "Boards" && !calls) return t("No board has been called.");
+  return "";
 }
 
 export const tabOf = (view: View): TabNode<View> => ({ id: view, title: titleOf(view), data: view });
@@ -61,6 +60,12 @@ export const PRESETS: Readonly<Record<string, () => Tree>> = {
   Bus: () => split("horizontal", [pane(["Buses"], 55), split("vertical", [pane(["Wiring"], 50), pane(others("Buses", "Wiring"), 50, "Timeline")], 45)]),
   Compare: () => split("horizontal", [pane(["Plots"], 50), split("vertical", [pane(["Values", ...others("Plots", "Values", "Timeline")], 60), pane(["Timeline"], 40)], 50)]),
 };
+
+/** The view for which a preset is; one that is not named is for all of a system. */
+const PURPOSES: Readonly<Record<string, View>> = { Bus: "Buses" };
+
+/** Why a preset is of no use; `emptiness` says it of a view. */
+export const obstacleToPreset = (name: string, emptiness: (view: View) => string): string => (PURPOSES[name] ? emptiness(PURPOSES[name]) : "");
 
 /** The names of the presets as people read them. */
 export const LAYOUTS: Readonly<Record<string, string>> = { Wire: t("Wire"), Drive: t("Drive"), Bus: t("Bus"), Compare: t("Compare") };

@@ -53,6 +53,10 @@ def test_the_bus_is_a_line_below_the_boxes(bus: Any, session: Session) -> None:
     node.get_by_role("row", name="NMT state operational").wait_for()
     node.get_by_role("button", name="Frames and objects").press("Enter")
     bus.get_by_role("table", name="Nodes").wait_for()
+    bus.get_by_role("button", name="Layout").click()
+    bus.get_by_role("menuitem", name="Bus", exact=True).click()
+    views = bus.locator("[data-tab][aria-selected=true]")
+    until(bus, lambda: views.all_inner_texts() == ["Buses", "Wiring", "Timeline"])
 
 
 def test_frames_are_decoded_and_filtered(bus: Any) -> None:

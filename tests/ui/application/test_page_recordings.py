@@ -103,6 +103,19 @@ def test_it_begins_at_its_beginning_and_has_speeds(
         until(page, lambda: 0.0 < shown(page) < 0.3 * last)
         page.get_by_role("button", name="Pause").click()
         assert shown(page) < 0.5 * last
+        page.get_by_role("slider", name="Look at time").press("Home")
+        page.keyboard.press(" ")
+        page.get_by_role("button", name="Pause").wait_for()
+        until(page, lambda: shown(page) > 0.0)
+        page.keyboard.press(" ")
+        play.wait_for()
+        for key, step in ((".", 0.1), (".", 0.1), (",", -0.1)):
+            before = shown(page)
+            page.keyboard.press(key)
+            until(
+                page,
+                lambda at=before + step: shown(page) == pytest.approx(at, abs=2e-3),
+            )
 
 
 CELLS = """rows => rows.map(

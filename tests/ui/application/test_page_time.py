@@ -54,6 +54,7 @@ def test_everything_follows_the_slider(page: Any, session: Session) -> None:
     until(page, lambda: listed.count() > 0)
     times = listed.all_inner_texts()
     assert max(float(each.removesuffix(" s")) for each in times) <= here
+    filtered(page)
     before = session.now
     until(page, lambda: session.now > before + 0.5)
     assert shown(page) == here
@@ -66,11 +67,40 @@ def test_everything_follows_the_slider(page: Any, session: Session) -> None:
     page.get_by_role("button", name="Play").click()
 
 
+def filtered(page: Any) -> None:
+    """Filter the timeline by kind, component and words, which the address keeps."""
+    lines = page.get_by_role("list", name="Timeline").get_by_role("listitem")
+    page.get_by_label("Kind").select_option("states")
+    group = page.get_by_role("group", name="Filter of the timeline")
+    group.get_by_label("Component").select_option("Odometry0")
+    words = group.get_by_role("searchbox", name="Words")
+    words.fill("active")
+    until(page, lambda: lines.count() > 0)
+    for text in lines.all_inner_texts():
+        assert text.split(maxsplit=2)[2] in ("Odometry0 ACTIVE", "Odometry0 INACTIVE")
+    words.fill("no such words")
+    page.get_by_text("The filter leaves none of").wait_for()
+    page.get_by_role("tab", name="Console").click()
+    page.get_by_role("tab", name="Timeline").click()
+    assert words.input_value() == "no such words"
+    assert "kind=state&of=Odometry0&words=no" in page.evaluate("location.hash")
+    page.evaluate("location.hash = ''")
+    until(page, lambda: words.input_value() == "" and lines.count() > 1)
+
+
 def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
-    select(page, "Odometry0")
-    page.get_by_role("tab", name="Values").click()
+    page.get_by_role("button", name="Pause").click()
+    page.get_by_role("tab", name="Map").click()
+    figure = page.get_by_role("status", name="Odometry0.OdometryPosition on the map")
+    figure.get_by_text(re.compile(r"x -?\d")).wait_for()
+    place = figure.inner_text()
     page.get_by_role("button", name="Keep beside").press("Enter")
     until(page, lambda: session.keeps)
+    page.get_by_role("status", name="Two runs").wait_for()
+    assert figure.inner_text() == place
+    page.get_by_role("button", name="Play").click()
+    select(page, "Odometry0")
+    page.get_by_role("tab", name="Values").click()
     goal = page.get_by_label("Go to time in seconds")
     goal.fill("0.5")
     goal.press("Enter")

@@ -65,7 +65,6 @@ def address(page: Any) -> str:
 PRESETS = {
     "Wire": ["Wiring", "Values"],
     "Drive": ["Map", "Drive", "Wiring"],
-    "Bus": ["Buses", "Wiring", "Timeline"],
     "Compare": ["Plots", "Values", "Timeline"],
 }
 
@@ -80,6 +79,26 @@ def test_presets_arrange_the_panes(panes: Any, press: Callable[[Any], None]) -> 
             panes.locator(".wiring[aria-busy=true]").wait_for(state="detached")
             assert violations(panes) == [], name
             assert flaws(panes) == [], name
+
+
+def test_what_is_empty_is_not_offered(panes: Any) -> None:
+    """The system has no bus, and calls no board."""
+    before = shown(panes)
+    panes.get_by_role("button", name="Layout").click()
+    bus = panes.get_by_role("menuitem", name="Bus There is no CAN bus.")
+    assert bus.is_disabled()
+    bus.click(force=True)
+    panes.keyboard.press("Escape")
+    panes.get_by_role("button", name="Pane of Wiring", exact=True).click()
+    assert panes.get_by_role("menuitem", name="Show Buses here").is_disabled()
+    assert panes.get_by_role("menuitem", name="Show Map here").is_enabled()
+    panes.keyboard.press("Escape")
+    panes.keyboard.press("Control+k")
+    panes.get_by_role("combobox", name="Find a command").fill("view bo")
+    board = panes.get_by_role("option", name="View Boards", disabled=True)
+    board.get_by_text("No board has been called.").wait_for()
+    panes.keyboard.press("Escape")
+    assert shown(panes) == before
 
 
 @by_both_hands
