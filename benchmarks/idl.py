@@ -4,8 +4,9 @@
 
 A large synthetic file, and the small ones of OpenRTM. Cold: without cache, with bytecode. Cached:
 the same run again, nothing changed. Then `inspect` and `generate` without cache, beside `omniidl
--bdump` and `-bpython`, of files of several shapes (`idl_shapes.py`): least processor times. Last, a
-profile of a cold run of the large file.
+-bdump` and `-bpython`, of files of several shapes (`idl_shapes.py`): least processor times; with
+`-Wbinline`, since rtgen, too, writes what included files declare. Last, a profile of a cold run of
+the large file.
 """
 
 from __future__ import annotations
@@ -121,13 +122,16 @@ def shapes(table: Table, omniidl: str, rounds: int, *, smallest: bool) -> None:
                     [*rtgen, "inspect", "--json", "--no-cache", f],
                     os.environ,
                 ),
-                "-bdump": lambda f=file: ([omniidl, "-bdump", f], os.environ),
+                "-bdump": lambda f=file: (
+                    [omniidl, "-bdump", "-Wbinline", f],
+                    os.environ,
+                ),
                 "generate": lambda f=file, o=output: (
                     [*rtgen, "generate", "--no-cache", "-o", o, f],
                     os.environ,
                 ),
                 "-bpython": lambda f=file, o=folder: (
-                    [omniidl, "-bpython", f"-C{o / 'python'}", f],
+                    [omniidl, "-bpython", "-Wbinline", f"-C{o / 'python'}", f],
                     os.environ,
                 ),
             },

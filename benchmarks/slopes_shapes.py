@@ -9,6 +9,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from itertools import pairwise
+from math import isqrt
 
 Files = dict[str, str]
 Maker = Callable[[int, int], Files]
@@ -131,6 +132,19 @@ def _included(number: int, size: int, version: int) -> str:
         + _lines(8, lambda k: f"  struct More{k} {{ Item first; double x{k}; }};")
         + "};\n#endif\n"
     )
+
+
+@_shape(36, ("generate", "check", "diff", "docs", "inspect"))
+def idl_circles(size: int, version: int) -> Files:
+    """Return files each of which includes all others: as many inclusions as `size`."""
+    numbers = range(isqrt(size))
+    kind = "double" if version else "long"
+    return {
+        f"definitions/part{i}.idl": f"#ifndef PART_{i}\n#define PART_{i}\n"
+        + "".join(f'#include "part{k}.idl"\n' for k in numbers if k != i)
+        + f"module Part{i} {{ struct Item {{ {kind} stamp; }}; }};\n#endif\n"
+        for i in numbers
+    }
 
 
 # CDL

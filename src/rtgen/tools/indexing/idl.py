@@ -10,7 +10,7 @@ from rtgen.compiler.frontends.idl.names import scopes
 from rtgen.compiler.frontends.idl.names.scopes import Entity
 from rtgen.compiler.frontends.idl.names.tables import Tables
 from rtgen.compiler.frontends.idl.syntax import tree
-from rtgen.compiler.frontends.idl.text.unit import Inclusion, Unit
+from rtgen.compiler.frontends.idl.text.unit import Unit
 from rtgen.compiler.model import ScopedName
 from rtgen.tools.indexing.index import Collector, Kind, path_of
 
@@ -75,10 +75,8 @@ class IdlNames:
         self._indexed |= here
 
     def _includes(self, unit: Unit) -> None:
-        for event in unit.events:
-            if isinstance(event, Inclusion):
-                path = path_of(event.unit.source.name)
-                self._collector.refer(f"file {path}", event.span)
+        for name, span in unit.inclusions:
+            self._collector.refer(f"file {path_of(name)}", span)
 
     def _entity(
         self, name: tree.Name, entity: Entity, unit: Unit, opening: tree.Body | None

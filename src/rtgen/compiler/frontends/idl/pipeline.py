@@ -14,7 +14,7 @@ from rtgen.compiler.frontends.idl.rules import lexical, names, syntax
 from rtgen.compiler.frontends.idl.text.macros import ExpansionError, Macro
 from rtgen.compiler.frontends.idl.text.predefined import predefined
 from rtgen.compiler.frontends.idl.text.source import Interfaces, Library, Source
-from rtgen.compiler.frontends.idl.text.unit import Inclusion
+from rtgen.compiler.frontends.idl.text.unit import Repeated
 from rtgen.compiler.frontends.idl.translation import Translation, Translator
 from rtgen.compiler.frontends.kit.findings import Findings
 from rtgen.compiler.frontends.kit.library import VirtualFile, absolute_path
@@ -226,17 +226,21 @@ class _Run:
 
     def _note_files(self, tables: Tables) -> None:
         for unit in tables.units:
+            if isinstance(unit, Repeated):
+                for name, source in unit.sources.items():
+                    if name not in self._files:
+                        self._note(source, {}, None)
+                continue
             source = unit.source
-            included = [
-                e.unit.source.name for e in unit.events if isinstance(e, Inclusion)
-            ]
-            self._note(source, (*included, *(s.name for s in unit.nested)), None)
+            self._note(source, unit.includes, None)
             for nested in unit.nested:
-                self._note(nested, (), source.name)
+                self._note(nested, {}, source.name)
 
-    def _note(self, source: Source, includes: Sequence[str], owner: str | None) -> None:
+    def _note(
+        self, source: Source, includes: dict[str, None], owner: str | None
+    ) -> None:
         file = self._files.get(source.name)
-        names_ = tuple(dict.fromkeys((*(file.includes if file else ()), *includes)))
+        names_ = tuple(dict.fromkeys(file.includes) | includes if file else includes)
         self._files[source.name] = SourceFile(
             name=source.name,
             key=source.key,

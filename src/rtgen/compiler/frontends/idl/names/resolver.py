@@ -18,7 +18,13 @@ from rtgen.compiler.frontends.idl.rules import names as rules
 from rtgen.compiler.frontends.idl.rules import types as type_rules
 from rtgen.compiler.frontends.idl.syntax import tree
 from rtgen.compiler.frontends.idl.text.source import Source
-from rtgen.compiler.frontends.idl.text.unit import Boundary, Inclusion, Pragma, Unit
+from rtgen.compiler.frontends.idl.text.unit import (
+    Boundary,
+    Inclusion,
+    Pragma,
+    Repeated,
+    Unit,
+)
 from rtgen.compiler.kit.limits import MAX_NESTING
 
 
@@ -157,6 +163,8 @@ class Resolver(TypeNames):
                     self._identities.apply(event, scope)
                 case Inclusion():
                     self._include(event)
+                case Repeated():
+                    self.tables.units.append(event)
                 case Boundary(opens=True):
                     self._nested_ids.append((scope, scope.ids))
                     scope.ids = ""

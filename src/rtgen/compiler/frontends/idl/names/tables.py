@@ -7,7 +7,7 @@ import msgspec
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.frontends.idl.names.scopes import Entity, Scope
 from rtgen.compiler.frontends.idl.syntax import tree
-from rtgen.compiler.frontends.idl.text.unit import Unit
+from rtgen.compiler.frontends.idl.text.unit import Repeated, Unit
 from rtgen.compiler.model import Primitive, ScopedName
 
 IDL_4_TYPES = {
@@ -35,7 +35,8 @@ class Tables(msgspec.Struct, eq=False):
     `references` has None for names that were reported, and a Primitive for IDL 4's integers;
     `annotations` are those declared by `@annotation`, with their members; `modules` are the
     openings of modules that have annotations; `undefined` has a diagnostic for each interface
-    without a definition, which another file may contain. `marks` assigns names to units: each mark
+    without a definition, which another file may contain. `units` are in the order of their ends,
+    with the inclusions that add nothing among them. `marks` assigns names to units: each mark
     is a unit, with the number of entities and references before its first ones. `openings` are the
     bodies of modules. `leading` are the units before which those that include them have nothing of
     their own, with the number of declarations and the last one when their ends were reached: what
@@ -49,7 +50,7 @@ class Tables(msgspec.Struct, eq=False):
     entities: dict[tree.Name, Entity] = msgspec.field(default_factory=dict)
     declared: list[Entity] = msgspec.field(default_factory=list)
     annotations: dict[str, tuple[str, ...]] = msgspec.field(default_factory=dict)
-    units: list[Unit] = msgspec.field(default_factory=list)
+    units: list[Unit | Repeated] = msgspec.field(default_factory=list)
     modules: list[tuple[tree.Item, Unit]] = msgspec.field(default_factory=list)
     undefined: dict[ScopedName, Diagnostic] = msgspec.field(default_factory=dict)
     openings: dict[tree.Name, tree.Body] = msgspec.field(default_factory=dict)

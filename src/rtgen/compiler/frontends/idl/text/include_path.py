@@ -30,7 +30,8 @@ class IncludePath:
 
     def __init__(self, library: Library) -> None:
         self._library = library
-        self._sources: dict[Place, tuple[Source, tuple[str, ...], bool]] = {}
+        self.known: dict[Place, tuple[Source, tuple[str, ...], bool]] = {}
+        """By place, the file, the paths that were searched, and whether it is on no disk."""
         self._missing: dict[Place, str] = {}
         self._origins: dict[Source, Path | None] = {}
         self._searched: dict[tuple[Path | None, Folders], tuple[str, list[str]]] = {}
@@ -56,11 +57,11 @@ class IncludePath:
 
     def find(self, place: Place, span: Span, unit: Unit) -> Source | None:
         """Return the file at a place; None, after a diagnostic, if there is none."""
-        cached = self._sources.get(place)
+        cached = self.known.get(place)
         if cached is None:
             source, searched, printed = self._search(place, span, unit)
             if source is not None:
-                self._sources[place] = source, searched, printed
+                self.known[place] = source, searched, printed
         else:
             source, searched, printed = cached
         unit.searched.update(dict.fromkeys(searched))

@@ -11,7 +11,7 @@ import msgspec
 from rtgen.compiler.diagnostics import Diagnostic, Related, Span
 from rtgen.compiler.frontends.idl.rules import lexical
 from rtgen.compiler.frontends.idl.text.conditionals import Conditionals
-from rtgen.compiler.frontends.idl.text.include_path import IncludePath
+from rtgen.compiler.frontends.idl.text.include_path import IncludePath, Place
 from rtgen.compiler.frontends.idl.text.macros import (
     Expander,
     ExpansionError,
@@ -29,6 +29,7 @@ from rtgen.compiler.frontends.idl.text.unit import (
     Boundary,
     Inclusion,
     Pragma,
+    Repeated,
     TextBuilder,
     Unit,
 )
@@ -43,6 +44,9 @@ MAX_EXPANSION = 500_000
 
 MAX_INCLUDES = 10_000
 """Maximum number of inclusions in a translation unit."""
+
+MAX_RESULTS = 16
+"""Maximum number of results of a file that are cached, each for other macros."""
 
 _DIRECTIVE = re.compile(r"^[ \t\v\f\r]*(?:#|%:)([^\n]*)", re.MULTILINE)
 _COMMAND = re.compile(r"\s*([^\W\d]\w*|[0-9]+|)\s*(.*?)\s*$", re.DOTALL)
@@ -63,12 +67,50 @@ _KNOWN = (
 _ONCE = "#once "
 
 
-class _Prepared(msgspec.Struct, frozen=True):
-    """A cached unit and the macros it depends on; reusable if those are the same."""
+class _Reusable(msgspec.Struct):
+    """A result, and the macros it depends on; reusable if those are the same."""
 
     words: set[str]
     defined: dict[str, Macro]
     undefined: set[str]
+
+    def fits(self, macros: Mapping[str, Macro]) -> bool:
+        return macros.keys().isdisjoint(self.undefined) and (
+            self.defined.items() <= macros.items()
+        )
+
+
+class _Row(_Reusable):
+    """Includes in successive lines of files that have been included before: they add nothing.
+
+    [start, end) is their place in the code, `text` what is between them; `searched` and `printed`
+    as in `Unit`.
+    """
+
+    start: int
+    end: int
+    text: str = ""
+    sources: dict[str, Source] = {}
+    places: list[tuple[str, Span]] = []
+    searched: dict[str, None] = {}
+    printed: dict[str, None] = {}
+
+    def add(self, other: _Row) -> None:
+        """Add the row in the next line, for which the same macros are defined."""
+        self.words |= other.words
+        self.defined |= other.defined
+        self.undefined |= other.undefined
+        self.end = other.end
+        self.text += "\n"
+        self.sources |= other.sources
+        self.places += other.places
+        self.searched |= other.searched
+        self.printed |= other.printed
+
+
+class _Prepared(_Reusable):
+    """A cached unit."""
+
     changes: dict[str, Macro | None]
     unit: Unit
     weight: int
@@ -76,9 +118,21 @@ class _Prepared(msgspec.Struct, frozen=True):
     tokens: int
     """Number of tokens from macro calls."""
 
-    def fits(self, macros: Mapping[str, Macro]) -> bool:
-        return macros.keys().isdisjoint(self.undefined) and all(
-            macros.get(name) == macro for name, macro in self.defined.items()
+    @property
+    def repeats(self) -> bool:
+        """Whether the file has been included before, and its guard has left nothing of it."""
+        unit = self.unit
+        return not (
+            unit.text.strip()
+            or unit.events
+            or unit.searched
+            or unit.findings.diagnostics
+            or unit.lacking
+            or self.changes
+            or not self.defined
+        ) and all(
+            macro.span is not None and macro.span.file == unit.source.name
+            for macro in self.defined.values()
         )
 
 
@@ -88,7 +142,10 @@ class Preprocessor:
     def __init__(self, library: Library) -> None:
         self._path = IncludePath(library)
         self._prepared: dict[Source, list[_Prepared]] = {}
+        self._rows: dict[tuple[Source, int], _Row] = {}
         self._stack: list[Source] = []
+        self.macros: dict[tuple[Macro, Span], Macro] = {}
+        """Each macro once, since they are often compared."""
         self.tokens_left = MAX_EXPANSION
         self._included = 0
         self._exhausted = False
@@ -102,8 +159,9 @@ class Preprocessor:
 
     def _prepare(self, source: Source, macros: MacroTable) -> _Prepared:
         cached = self._prepared.setdefault(source, [])
-        for prepared in cached:
+        for index, prepared in enumerate(cached):
             if prepared.fits(macros):
+                cached.insert(0, cached.pop(index))
                 for name, macro in prepared.changes.items():
                     macros.put(name, macro)
                 self.tokens_left -= prepared.tokens
@@ -135,7 +193,8 @@ class Preprocessor:
             tokens=tokens - self.tokens_left,
         )
         if not self._exhausted:
-            cached.append(prepared)
+            cached.insert(0, prepared)
+            del cached[MAX_RESULTS:]
         return prepared
 
     def include(
@@ -156,6 +215,7 @@ class Preprocessor:
         once = _ONCE + source.real
         file.words.add(once)
         if once in file.macros:
+            self._note(file, {once}, place)
             return
         if (
             len(self._stack) >= MAX_NESTING
@@ -169,6 +229,13 @@ class Preprocessor:
         if file.at_file_scope():
             prepared = self._prepare(source, file.macros)
             file.words |= prepared.words
+            if prepared.repeats:
+                event = Repeated(
+                    file.builder.length, {source.name: source}, [(source.name, span)]
+                )
+                unit.events.append(event)
+                self._note(file, prepared.words | {once}, place, event)
+                return
             unit.included.append(prepared.unit)
             self._included += prepared.weight
             if self._included > MAX_INCLUDES:
@@ -188,6 +255,31 @@ class Preprocessor:
         self._stack.pop()
         file.words |= inner.words
         unit.events.append(Boundary(file.builder.length, source, False))
+
+    def _note(
+        self,
+        file: _File,
+        words: set[str],
+        place: Place,
+        event: Repeated | None = None,
+    ) -> None:
+        """Note that the include at hand adds nothing."""
+        _, searched, printed = self._path.known[place]
+        row = file.note(words, event, searched, place[-1:] if printed else ())
+        if row is not None:
+            self._rows[file.source, row.start] = row
+
+    def row(self, file: _File, start: int) -> _Row | None:
+        """Return the includes at `start` of a file's code, if they add nothing here."""
+        row = self._rows.get((file.source, start))
+        usable = (
+            row is not None
+            and not self._exhausted
+            and len(self._stack) < MAX_NESTING
+            and file.is_unchanged()
+            and row.fits(file.macros)
+        )
+        return row if usable else None
 
     def _exhaust(self, source: Source, span: Span, unit: Unit) -> None:
         """Report the limit, and ignore all further includes."""
@@ -228,6 +320,8 @@ class _File:
         self._complete = True
         self._seen = 0
         self._endless = False
+        self._row: _Row | None = None
+        self._here: re.Match[str]
 
     def _report(self, diagnostic: Diagnostic) -> None:
         self.builder.unit.findings.report(diagnostic)
@@ -236,15 +330,66 @@ class _File:
         """Append the file to the builder."""
         code = self.source.code
         start = 0
-        for match in _DIRECTIVE.finditer(code):
+        while match := _DIRECTIVE.search(code, start):
             self._text(start, match.start())
-            self._directive(match)
-            start = match.end()
+            row = self._owner.row(self, match.start())
+            if row is None:
+                self._here = match
+                self._directive(match)
+                start = match.end()
+            else:
+                self._pass_over(row)
+                start = row.end
         self._text(start, len(code))
         unit = self.builder.unit
         if self.source.unfinished or not self._conditionals.active:
             unit.cut = unit.lacking = True
         self._conditionals.end()
+
+    def _pass_over(self, row: _Row) -> None:
+        """Append includes that add nothing."""
+        self.words |= row.words
+        unit = self.builder.unit
+        unit.searched |= row.searched
+        unit.printed |= row.printed
+        if row.places:
+            event = Repeated(self.builder.length, row.sources.copy(), [*row.places])
+            unit.events.append(event)
+        self.builder.expand(row.text, self.source, row.start, row.end, None, 0)
+
+    def note(
+        self,
+        words: set[str],
+        event: Repeated | None,
+        searched: Iterable[str],
+        printed: Iterable[str],
+    ) -> _Row | None:
+        """Note that the directive at hand adds nothing; return a row that begins with it."""
+        if not self.is_unchanged():
+            return None
+        start, end = self._here.span()
+        words = words.union(_WORD.findall(self.source.code, start, end))
+        defined = {name: self.macros[name] for name in words & self.macros.keys()}
+        row = _Row(
+            *(words, defined, words - defined.keys(), start, end, ""),
+            *((dict(event.sources), [*event.places]) if event else ({}, [])),
+            *(dict.fromkeys(searched), dict.fromkeys(printed)),
+        )
+        last = self._row
+        if last is not None and self.source.code[last.end : start] == "\n":
+            last.add(row)
+            return None
+        self._row = row
+        return row
+
+    def is_unchanged(self) -> bool:
+        """Return whether the place is active, at file scope, and not moved by a line marker."""
+        return (
+            self._conditionals.active
+            and self._file is None
+            and not self._shift
+            and self.at_file_scope()
+        )
 
     def at_file_scope(self) -> bool:
         """Return whether the text so far ends between two definitions at file scope."""
@@ -444,6 +589,7 @@ class _File:
                     hint=f"put #undef {macro.name} before, if that is meant",
                 )
             )
+        macro = self._owner.macros.setdefault((macro, span), macro)
         self.macros.put(macro.name, macro)
 
     def _expanded(self, text: str, span: Span) -> str:

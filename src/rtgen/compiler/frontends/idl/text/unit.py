@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from bisect import bisect_left, bisect_right
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping, Sequence
 from functools import cached_property
 
 import msgspec
@@ -45,6 +45,17 @@ class Inclusion(msgspec.Struct, frozen=True):
     span: Span
 
 
+class Repeated(msgspec.Struct, frozen=True):
+    """Files included in a row, by name, of which their guards have left nothing.
+
+    `places` are those of the inclusions, by name.
+    """
+
+    offset: int
+    sources: Mapping[str, Source]
+    places: Sequence[tuple[str, Span]]
+
+
 class Boundary(msgspec.Struct, frozen=True):
     """The start or the end of a file that was included inside a declaration."""
 
@@ -71,7 +82,9 @@ class Unit(msgspec.Struct, eq=False, dict=True):
     text: str = ""
     pieces: list[Piece] = msgspec.field(default_factory=list)
     offsets: list[int] = msgspec.field(default_factory=list)
-    events: list[Pragma | Inclusion | Boundary] = msgspec.field(default_factory=list)
+    events: list[Pragma | Inclusion | Repeated | Boundary] = msgspec.field(
+        default_factory=list
+    )
     comments: list[Comment] = msgspec.field(default_factory=list)
     nested: list[Source] = msgspec.field(default_factory=list)
     lacking: bool = False
@@ -97,6 +110,27 @@ class Unit(msgspec.Struct, eq=False, dict=True):
                 visited.add(id(unit))
                 yield unit
                 waiting += reversed(unit.included)
+
+    @property
+    def includes(self) -> dict[str, None]:
+        """The names of the files that it includes, in order."""
+        names: dict[str, None] = {}
+        for event in self.events:
+            if isinstance(event, Inclusion):
+                names[event.unit.source.name] = None
+            elif isinstance(event, Repeated):
+                names |= dict.fromkeys(event.sources)
+        names |= dict.fromkeys(source.name for source in self.nested)
+        return names
+
+    @property
+    def inclusions(self) -> Iterator[tuple[str, Span]]:
+        """The places where it includes files at file scope, by name, in order."""
+        for event in self.events:
+            if isinstance(event, Inclusion):
+                yield event.unit.source.name, event.span
+            elif isinstance(event, Repeated):
+                yield from event.places
 
     @cached_property
     def docs(self) -> Docs:
