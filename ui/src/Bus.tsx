@@ -6,6 +6,7 @@ import { useState } from "react";
 import type { Curve } from "./curves.ts";
 import { filterOf } from "./filter.ts";
 import { Button, IconButton } from "./kit/Button.tsx";
+import { Refusable } from "./kit/Refusable.tsx";
 import type { Line } from "./lines.ts";
 import { linesOf } from "./lines.ts";
 import { Menu } from "./Menu.tsx";
@@ -201,10 +202,14 @@ function Traffic({ bus }: { bus: string }) {
   return (
     <section aria-label={t("Frames")}>
       <div className="toolbar">
-        <label className="filter">
-          <span className="announced">{t("Filter")}</span>
-          <input type="search" aria-label={t("Filter")} title={HELP} aria-invalid={reason !== ""} value={filter} placeholder={t("Filter: tpdo1 node2, id:180-1FF, velocity>0.5")} onChange={(e) => setFilter(e.target.value)} />
-        </label>
+        <Refusable reason={reason}>
+          {(said) => (
+            <label className="filter">
+              <span className="announced">{t("Filter")}</span>
+              <input type="search" aria-label={t("Filter")} title={HELP} {...said} value={filter} placeholder={t("Filter: tpdo1 node2, id:180-1FF, velocity>0.5")} onChange={(e) => setFilter(e.target.value)} />
+            </label>
+          )}
+        </Refusable>
         <Button icon={Rows3} title={t("One row for each identifier, with its period and what has changed")} aria-pressed={counted} onClick={() => count(!counted)}>
           {t("By identifier")}
         </Button>
@@ -213,7 +218,6 @@ function Traffic({ bus }: { bus: string }) {
         </Button>
         <IconButton icon={Eraser} look="plain" label={t("Clear frames")} onClick={() => clear(traffic.frames.at(-1)?.frame.time ?? -Infinity)} />
       </div>
-      {reason && <p className="reason">{reason}</p>}
       <Frames frames={frames} caption={t("Frames")} counted={counted} />
       {!frames.length && <p className="empty">{filter || since > 0 ? t("No frame matches.") : t("No frame has been seen yet.")}</p>}
     </section>

@@ -2,6 +2,8 @@
 
 import { useState } from "react";
 import { Name } from "./kit/Name.tsx";
+import { Refusable } from "./kit/Refusable.tsx";
+import type { Refused } from "./kit/Refusable.tsx";
 import type { Component, Parameter } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
@@ -35,50 +37,81 @@ interface Slot {
   text: string;
   full: boolean;
   label: string;
-  set: (text: string) => Promise<unknown>;
+  /** Sets the value; the result is the reason if it is refused. */
+  set: (text: string) => Promise<string>;
 }
 
-/** A value edited by text field or slider, and sent when it is complete. */
+/** Whether a parameter is edited by a slider, which has the limits at its ends. */
+function isSlider({ widget, constraint }: Parameter): boolean {
+  const { min, max } = limits(constraint);
+  return /^slider\b/.test(widget) && min !== undefined && max !== undefined;
+}
+
+/** A value edited by text field or slider, and sent when it is complete; what is refused stays until Escape or a valid value. */
 function Entry({ parameter, text, full, label, set }: Slot) {
   const [edited, edit] = useState<string>();
+  const [refused, refuse] = useState<{ text: string; reason: string }>();
   const { min, max } = limits(parameter.constraint);
   const [kind, step] = [/^\w*/.exec(parameter.widget)![0], Number(/\.(.+)/.exec(parameter.widget)?.[1])];
-  const range = kind === "slider" && min !== undefined && max !== undefined;
-  const commit = () => {
-    if (edited !== undefined && edited !== text) void set(edited).then(() => edit((now) => (now === edited ? undefined : now)));
-    else edit(undefined);
+  const range = isSlider(parameter);
+  const isRefused = edited !== undefined && edited === refused?.text;
+  const commit = async () => {
+    if (edited === undefined || edited === text) return edit(undefined);
+    const reason = await set(edited);
+    if (reason) refuse({ text: edited, reason });
+    else edit((now) => (now === edited ? undefined : now));
   };
+  const field = (said: Refused) => (
+    <input
+      {...said}
+      aria-label={label}
+      title={[text, parameter.doc].filter(Boolean).join("\n")}
+      disabled={!full}
+      type={range ? "range" : kind === "spin" ? "number" : "text"}
+      min={min}
+      max={max}
+      step={range ? step || (max! - min!) / 100 : (kind === "spin" && step) || "any"}
+      value={edited ?? text}
+      onChange={(e) => edit(e.target.value)}
+      onBlur={() => isRefused || void commit()}
+      onPointerUp={range ? () => void commit() : undefined}
+      onKeyUp={range ? () => void commit() : undefined}
+      onKeyDown={(e) => {
+        if (e.key === "Enter") void commit();
+        if (e.key === "Escape") edit(undefined);
+      }}
+    />
+  );
   return (
-    <>
-      <input
-        aria-label={label}
-        title={[text, parameter.doc].filter(Boolean).join("\n")}
-        disabled={!full}
-        type={range ? "range" : kind === "spin" ? "number" : "text"}
-        min={min}
-        max={max}
-        step={range ? step || (max - min) / 100 : (kind === "spin" && step) || "any"}
-        value={edited ?? text}
-        onChange={(e) => edit(e.target.value)}
-        onBlur={commit}
-        onPointerUp={range ? commit : undefined}
-        onKeyUp={range ? commit : undefined}
-        onKeyDown={(e) => {
-          if (e.key === "Enter") commit();
-          if (e.key === "Escape") edit(undefined);
-        }}
-      />
-      {range && <output>{edited ?? text}</output>}
-    </>
+    <Refusable reason={isRefused ? refused.reason : ""}>
+      {(said) =>
+        range ? (
+          <div className="slider">
+            {field(said)}
+            <small>{min}</small>
+            <output>{edited ?? text}</output>
+            <small>{max}</small>
+          </div>
+        ) : (
+          field(said)
+        )
+      }
+    </Refusable>
   );
 }
 
+interface Several extends Slot {
+  choices: readonly string[];
+  /** The id of the reason why a choice is refused. */
+  description: string | undefined;
+}
+
 /** One choice, or any number of choices if the value is a list. */
-function Choices({ parameter, text, full, label, set, choices }: Slot & { choices: readonly string[] }) {
+function Choices({ parameter, text, full, label, set, choices, description }: Several) {
   const several = parameter.widget === "checkbox";
   const chosen = several ? items(text) : [text.trim()];
   return (
-    <fieldset className="choices" aria-label={label} title={parameter.doc} disabled={!full}>
+    <fieldset className="choices" aria-label={label} aria-describedby={description} title={parameter.doc} disabled={!full}>
       {choices.map((each) => (
         <label key={each}>
           <input
@@ -95,11 +128,11 @@ function Choices({ parameter, text, full, label, set, choices }: Slot & { choice
 }
 
 /** An ordered list of choices, each of which can occur several times. */
-function OrderedList({ parameter, text, full, label, set, choices }: Slot & { choices: readonly string[] }) {
+function OrderedList({ parameter, text, full, label, set, choices, description }: Several) {
   const chosen = items(text);
   const swapped = (i: number) => chosen.with(i - 1, chosen[i]!).with(i, chosen[i - 1]!);
   return (
-    <fieldset className="choices ordered" aria-label={label} title={parameter.doc} disabled={!full}>
+    <fieldset className="choices ordered" aria-label={label} aria-describedby={description} title={parameter.doc} disabled={!full}>
       <ol>
         {chosen.map((each, i) => (
           <li key={i}>
@@ -125,15 +158,28 @@ function OrderedList({ parameter, text, full, label, set, choices }: Slot & { ch
 
 /** The widget named by the definition, else one that fits the type and the constraint. */
 function Field(slot: Slot) {
-  const { parameter, text, full, label, set } = slot;
+  const { parameter, text } = slot;
+  const [refused, refuse] = useState<{ before: string; reason: string }>();
   const { choices } = limits(parameter.constraint);
-  if (/^bool(ean)?$/.test(parameter.type) && parameter.widget !== "text" && parameter.widget !== "radio")
-    return <input type="checkbox" aria-label={label} title={parameter.doc} disabled={!full} checked={isTrue(text)} onChange={(e) => void set(String(e.target.checked))} />;
-  if (!choices || parameter.widget === "text") return <Entry {...slot} />;
-  if (parameter.widget === "radio" || parameter.widget === "checkbox") return <Choices {...slot} choices={choices} />;
-  if (/^ordere?d_list$/.test(parameter.widget)) return <OrderedList {...slot} choices={choices} />;
+  const isSwitch = /^bool(ean)?$/.test(parameter.type) && parameter.widget !== "text" && parameter.widget !== "radio";
+  if (!isSwitch && (!choices || parameter.widget === "text")) return <Entry {...slot} />;
+  const set = async (wanted: string) => {
+    const reason = await slot.set(wanted);
+    refuse(reason ? { before: text, reason } : undefined);
+    return reason;
+  };
+  return <Refusable reason={refused?.before === text ? refused.reason : ""}>{(said) => <Choice {...slot} set={set} said={said} choices={isSwitch ? undefined : choices} />}</Refusable>;
+}
+
+/** A value that is chosen; without choices, true or false. */
+function Choice({ choices, said, ...slot }: Slot & { choices: readonly string[] | undefined; said: Refused }) {
+  const { parameter, text, full, label, set } = slot;
+  if (!choices) return <input {...said} type="checkbox" aria-label={label} title={parameter.doc} disabled={!full} checked={isTrue(text)} onChange={(e) => void set(String(e.target.checked))} />;
+  const description = said["aria-describedby"];
+  if (parameter.widget === "radio" || parameter.widget === "checkbox") return <Choices {...slot} choices={choices} description={description} />;
+  if (/^ordere?d_list$/.test(parameter.widget)) return <OrderedList {...slot} choices={choices} description={description} />;
   return (
-    <select aria-label={label} title={parameter.doc} disabled={!full} value={text} onChange={(e) => void set(e.target.value)}>
+    <select {...said} aria-label={label} title={parameter.doc} disabled={!full} value={text} onChange={(e) => void set(e.target.value)}>
       {[...new Set([text, ...choices])].map((each) => (
         <option key={each} value={each}>{each}</option>
       ))}
@@ -144,13 +190,14 @@ function Field(slot: Slot) {
 export function Configuration({ component, full }: { component: Component; full: boolean }) {
   const [shown, show] = useState("");
   const [fresh, setFresh] = useState("");
+  const [refused, refuse] = useState({ name: "", reason: "" });
   const name = component.configuration_sets.some((each) => each.name === shown) ? shown : component.active_set;
   const set = component.configuration_sets.find((each) => each.name === name);
   const [first] = component.parameters;
   if (!first) return <p>{t("This component has no parameters.")}</p>;
   const valueOf = (parameter: Parameter) => set?.values.find((each) => each.name === parameter.name)?.text ?? parameter.default_value;
   const put = (set: string, parameter: Parameter, text: string) =>
-    store.order({ case: "setting", value: { instance: component.instance, set, parameter: parameter.name, text } });
+    store.attempt({ case: "setting", value: { instance: component.instance, set, parameter: parameter.name, text } });
   return (
     <>
       <form
@@ -159,8 +206,13 @@ export function Configuration({ component, full }: { component: Component; full:
           e.preventDefault();
           // Setting a parameter of a new set creates the set.
           const made = fresh.trim();
-          if (made) void put(made, first, valueOf(first)).then(() => show(made));
-          setFresh("");
+          if (!made) return;
+          void put(made, first, valueOf(first)).then((reason) => {
+            refuse({ name: made, reason });
+            if (reason) return;
+            show(made);
+            setFresh("");
+          });
         }}
       >
         <label>
@@ -181,12 +233,16 @@ export function Configuration({ component, full }: { component: Component; full:
         >
           {t("Use this set")}
         </button>
-        <span className="group">
-        <input aria-label={t("Name of a new set")} placeholder={t("new set")} size={8} disabled={!full} value={fresh} onChange={(e) => setFresh(e.target.value)} />
-        <button type="submit" disabled={!full || !fresh.trim()}>
-          {t("Add set")}
-        </button>
-        </span>
+        <Refusable reason={refused.name === fresh.trim() ? refused.reason : ""}>
+          {(said) => (
+            <span className="group">
+              <input {...said} aria-label={t("Name of a new set")} placeholder={t("new set")} size={8} disabled={!full} value={fresh} onChange={(e) => setFresh(e.target.value)} onKeyDown={(e) => e.key === "Escape" && setFresh("")} />
+              <button type="submit" disabled={!full || !fresh.trim()}>
+                {t("Add set")}
+              </button>
+            </span>
+          )}
+        </Refusable>
       </form>
       <table className="parameters">
         <tbody>
@@ -205,7 +261,7 @@ export function Configuration({ component, full }: { component: Component; full:
                 />
               </td>
               <td className="text">
-                <bdi>{parameter.unit}</bdi> <small>{inWords(parameter.constraint)}</small>
+                <bdi>{parameter.unit}</bdi> {!isSlider(parameter) && <small>{inWords(parameter.constraint)}</small>}
               </td>
             </tr>
           ))}

@@ -6,30 +6,16 @@ import type { Misfit } from "./Purpose.tsx";
 import { Purpose } from "./Purpose.tsx";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
+import type { Unfit } from "./Unfit.tsx";
+import { UnfitCard, differences, ordered, sentence } from "./Unfit.tsx";
 
 const named = ({ instance, port }: PortAddress): string => `${instance}.${port}`;
 const KINDS = { PORT_IN: t("in"), PORT_OUT: t("out"), PORT_SERVICE: t("service") } as const;
 
-/** The first line of a reason; the rest (types side by side) is shown on demand. */
-function Refusal({ name, reason }: { name: string; reason: string }) {
-  const [first, ...rest] = reason.split("\n");
-  const line = (
-    <>
-      <strong>{name}</strong> <bdi>{first}</bdi>
-    </>
-  );
-  if (!rest.length) return line;
-  return (
-    <details>
-      <summary>{line}</summary>
-      <pre>{rest.join("\n")}</pre>
-    </details>
-  );
-}
-
 export function Connections({ system, component, full, chosen, choose }: { system: SystemState; component: Component; full: boolean; chosen: string; choose: (port: string) => void }) {
   const [fits, setFits] = useState<readonly Fit[]>();
   const [misfit, ask] = useState<Misfit>();
+  const [unfit, explain] = useState<Unfit>();
   const port = component.ports.find((each) => each.name === chosen);
   const here: PortAddress = { instance: component.instance, port: chosen };
   const own = system.connections.filter(({ source, target }) => [named(source), named(target)].includes(named(here)));
@@ -48,9 +34,12 @@ export function Connections({ system, component, full, chosen, choose }: { syste
     };
   }, [component.instance, port?.name, shape]);
 
-  const connect = (there: PortAddress) => {
+  const show = (there: PortAddress, reason: string, { currentTarget }: { currentTarget: Element }) => explain({ ends: ordered(system.components, here, there), reason, at: currentTarget.getBoundingClientRect() });
+  const connect = async (there: PortAddress, at: { currentTarget: Element }) => {
     const [source, target] = port?.kind === "PORT_IN" ? [there, here] : [here, there];
-    void store.order({ case: "wire", value: { source, target, name: "", properties: [] } });
+    const { currentTarget } = at;
+    const reason = await store.attempt({ case: "wire", value: { source, target, name: "", properties: [] } });
+    if (reason) show(there, reason, { currentTarget });
   };
   const offered = fits?.filter((each) => !each.refused) ?? [];
   const refused = fits?.filter((each) => each.refused) ?? [];
@@ -105,7 +94,7 @@ export function Connections({ system, component, full, chosen, choose }: { syste
             {offered.map(({ port: there }) => (
               <li key={named(there)}>
                 <bdi>{named(there)}</bdi>
-                <button type="button" disabled={!full} aria-label={t("Connect {here} with {there}", { here: named(here), there: named(there) })} onClick={() => connect(there)}>
+                <button type="button" disabled={!full} aria-label={t("Connect {here} with {there}", { here: named(here), there: named(there) })} onClick={(e) => void connect(there, e)}>
                   {t("Connect")}
                 </button>
               </li>
@@ -116,7 +105,12 @@ export function Connections({ system, component, full, chosen, choose }: { syste
             <ul className="refusals" aria-label={t("Ports that do not fit {here}", { here: named(here) })}>
               {refused.map((each) => (
                 <li key={named(each.port)}>
-                  <Refusal name={named(each.port)} reason={each.refused} />
+                  <strong>{named(each.port)}</strong> <bdi>{sentence(each.refused)}</bdi>
+                  {differences(each.refused).length > 0 && (
+                    <button type="button" aria-haspopup="dialog" aria-label={t("Compare the types of {here} and {there}", { here: named(here), there: named(each.port) })} onClick={(e) => show(each.port, each.refused, e)}>
+                      {t("Compare the types")}
+                    </button>
+                  )}
                   {each.allow && (
                     <button type="button" disabled={!full} aria-label={t("Connect {here} with {port} on purpose", { here: named(here), port: named(each.port) })} onClick={() => ask({ here, fit: each })}>
                       {t("Connect on purpose")}
@@ -128,6 +122,7 @@ export function Connections({ system, component, full, chosen, choose }: { syste
           </details>
         </>
       )}
+      {unfit && <UnfitCard unfit={unfit} close={() => explain(undefined)} />}
       {misfit && <Purpose misfit={misfit} close={() => ask(undefined)} />}
     </>
   );

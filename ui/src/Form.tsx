@@ -1,7 +1,10 @@
 /** Fields for a value of a type of the table. */
 
-import type { Chosen, Draft } from "./draft.ts";
+import { createContext, useContext } from "react";
+import type { Chosen, Draft, DraftError } from "./draft.ts";
 import { draft, range } from "./draft.ts";
+import { Refusable } from "./kit/Refusable.tsx";
+import type { Refused } from "./kit/Refusable.tsx";
 import type { TypeMember } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
@@ -14,7 +17,15 @@ interface Slot {
   change: (value: Draft) => void;
 }
 
+/** Why a value of the form is refused, and which one. */
+export const Refusal = createContext<DraftError | undefined>(undefined);
+
 export function Form(slot: Slot) {
+  const refused = useContext(Refusal);
+  return <Refusable reason={refused?.path === slot.label ? refused.message : ""}>{(said) => <Fields {...slot} said={said} />}</Refusable>;
+}
+
+function Fields({ said, ...slot }: Slot & { said: Refused }) {
   const node = store.types.nodes[slot.type];
   const { value, label, change } = slot;
   const common = { "aria-label": label };
@@ -69,8 +80,8 @@ export function Form(slot: Slot) {
       return <Elements slot={slot} type={node.element} keys={node.key} bound={node.bound} fresh={() => [draft(store.types, node.key), draft(store.types, node.element)]} />;
     default: {
       const limits = range(node);
-      const hint = limits ? `${limits[0]} to ${limits[1]}` : undefined;
-      return <input {...common} title={hint} type="text" inputMode={limits ? "numeric" : undefined} value={String(value)} onChange={(e) => change(e.target.value)} />;
+      const hint = limits ? t("{low} to {high}", { low: limits[0], high: limits[1] }) : undefined;
+      return <input {...common} {...said} title={hint} type="text" inputMode={limits ? "numeric" : undefined} value={String(value)} onChange={(e) => change(e.target.value)} />;
     }
   }
 }

@@ -7,11 +7,12 @@ import { Changes } from "./Changes.tsx";
 import { limits } from "./Configuration.tsx";
 import { Button } from "./kit/Button.tsx";
 import { Dialog } from "./kit/Dialog.tsx";
+import { Refusable } from "./kit/Refusable.tsx";
 import { chainsOf, times } from "./Latencies.tsx";
 import { linesOf } from "./lines.ts";
 import { Loss } from "./Loss.tsx";
 import type { Connection, FileChange, Parameter, Port, PortAddress, SystemState } from "./protocol/Ui.ts";
-import { store } from "./store.ts";
+import { reasonOf, store } from "./store.ts";
 import { t } from "./texts.ts";
 import type { View } from "./views.ts";
 
@@ -111,33 +112,41 @@ function Rate({ connection }: { connection: Connection }) {
 }
 
 /** A property of a connection, empty where the default applies. */
-function Property({ parameter, text, implied, full, set }: { parameter: Parameter; text: string; implied: string; full: boolean; set: (text: string) => void }) {
+function Property({ parameter, text, implied, full, refused, set }: { parameter: Parameter; text: string; implied: string; full: boolean; refused: string; set: (text: string | undefined) => void }) {
   const key = parameter.name.replace(BUFFER, "");
   const name = Object.hasOwn(NAMES, key) ? NAMES[key]! : parameter.name;
   const label = parameter.name.replace(/^dataport\.(inport|outport)\.buffer.*/, "$1 ") === parameter.name ? name : BUFFER.exec(parameter.name)![1] === "inport" ? t("inport {name}", { name }) : t("outport {name}", { name });
-  const { choices, min } = limits(parameter.constraint);
+  const { choices } = limits(parameter.constraint);
   return (
     <Row name={name}>
-      {choices ? (
-        <select aria-label={label} value={text} disabled={!full} onChange={(e) => set(e.target.value)}>
-          <option value="">{t("{implied} (default)", { implied })}</option>
-          {[...new Set([...choices, ...(text ? [text] : [])])].map((each) => (
-            <option key={each} value={each}>
-              {each}
-            </option>
-          ))}
-        </select>
-      ) : (
-        <input
-          aria-label={label}
-          value={text}
-          disabled={!full}
-          placeholder={implied && t("{implied} (default)", { implied })}
-          {...(parameter.type === "double" && { inputMode: "decimal" as const, pattern: min === 0 || min === 1 ? "\\d*\\.?\\d+" : undefined })}
-          onChange={(e) => set(e.target.value)}
-        />
-      )}{" "}
-      <small>{parameter.unit}</small>
+      <Refusable reason={refused}>
+        {(said) => (
+          <>
+            {choices ? (
+              <select {...said} aria-label={label} value={text} disabled={!full} onChange={(e) => set(e.target.value)}>
+                <option value="">{t("{implied} (default)", { implied })}</option>
+                {[...new Set([...choices, ...(text ? [text] : [])])].map((each) => (
+                  <option key={each} value={each}>
+                    {each}
+                  </option>
+                ))}
+              </select>
+            ) : (
+              <input
+                {...said}
+                aria-label={label}
+                value={text}
+                disabled={!full}
+                placeholder={implied && t("{implied} (default)", { implied })}
+                inputMode={parameter.type === "double" ? "decimal" : undefined}
+                onChange={(e) => set(e.target.value)}
+                onKeyDown={(e) => e.key === "Escape" && set(undefined)}
+              />
+            )}{" "}
+            <small>{parameter.unit}</small>
+          </>
+        )}
+      </Refusable>
     </Row>
   );
 }
@@ -146,6 +155,8 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
   const { name, source, target, properties } = connection;
   const [draft, edit] = useState<ReadonlyMap<string, string>>(new Map());
   const [refused, refuse] = useState("");
+  /** The property that the last reason has named, below whose field it is. */
+  const [culprit, point] = useState("");
   const [said, say] = useState("");
   const [changes, show] = useState<readonly FileChange[]>();
   const [from, to] = [portAt(system, source), portAt(system, target)];
@@ -171,7 +182,9 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
     const result = await ask(carried_out, draft);
     if (!result.done) {
       show(undefined);
-      refuse([result.message, result.hint].filter(Boolean).join("\n"));
+      const reason = reasonOf(result);
+      refuse(reason);
+      point(system.properties.map((each) => each.name).find((each) => reason.includes(`'${each}'`)) ?? "");
       return;
     }
     refuse("");
@@ -188,9 +201,10 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
           text={draft.get(each.name) ?? given.get(each.name) ?? ""}
           implied={implied(each)}
           full={full}
+          refused={each.name === culprit ? refused : ""}
           set={(text) => {
             const next = new Map(draft);
-            if (text === (given.get(each.name) ?? "")) next.delete(each.name);
+            if (text === undefined || text === (given.get(each.name) ?? "")) next.delete(each.name);
             else next.set(each.name, text);
             edit(next);
             refuse("");
@@ -249,7 +263,7 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
         </table>
         {!isService &&
           (["outport", "inport"] as const).map((side) => (
-            <details key={side} open={side === "inport" && flow !== undefined && flow.lost > 0n}>
+            <details key={side} open={(side === "inport" && flow !== undefined && flow.lost > 0n) || culprit.startsWith(`dataport.${side}.buffer.`)}>
               <summary>{side === "inport" ? t("Buffer of the InPort") : t("Buffer of the OutPort")}</summary>
               <table>
                 <tbody>{rows((each) => each.startsWith(`dataport.${side}.buffer.`))}</tbody>
@@ -272,7 +286,7 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
             </table>
           </details>
         )}
-        {refused && (
+        {refused && !culprit && (
           <p className="reason" role="alert">
             {refused}
           </p>

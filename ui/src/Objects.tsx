@@ -3,6 +3,7 @@
 import { Download } from "lucide-react";
 import { useState } from "react";
 import { IconButton } from "./kit/Button.tsx";
+import { Refusable } from "./kit/Refusable.tsx";
 import type { Bus, ObjectEntry } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
@@ -88,6 +89,10 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
     settle(entry, result.done ? "" : result.message);
     if (result.done && entry.access !== "wo") await read(entry);
   };
+  const forget = (entry: ObjectEntry) => {
+    edit((before) => new Map(before).set(number(entry), ""));
+    settle(entry, "");
+  };
   const wanted = filter.toLowerCase().split(/\s+/).filter(Boolean);
   const found = wanted.length ? entries.filter((each) => wanted.every((word) => `${number(each)} ${each.name} ${each.unit}`.toLowerCase().includes(word))).slice(0, SHOWN) : entries;
   const branch = (key: string, title: string, some: readonly ObjectEntry[], inner: () => React.ReactNode) => {
@@ -117,45 +122,46 @@ export function Objects({ bus, full }: { bus: Bus; full: boolean }) {
     const reason = refused.get(key);
     return (
       <li key={key} className="object">
-        <div className="what">
-          <strong>{key}</strong> <bdi>{entry.name}</bdi>{" "}
-          <small>
-            <bdi>{entry.type}</bdi>, <bdi>{entry.access}</bdi>
-            {entry.unit && (
-              <>
-                , <bdi>{entry.unit}</bdi>
-              </>
-            )}
-          </small>
-        </div>
-        <div className="toolbar">
-          {entry.access !== "wo" && (
-            <button type="button" disabled={!full} aria-label={t("Read {key}", { key })} onClick={() => void read(entry)}>
-              {t("Read")}
-            </button>
+        <Refusable reason={reason}>
+          {(said) => (
+            <>
+              <div className="what">
+                <strong>{key}</strong> <bdi>{entry.name}</bdi>{" "}
+                <small>
+                  <bdi>{entry.type}</bdi>, <bdi>{entry.access}</bdi>
+                  {entry.unit && (
+                    <>
+                      , <bdi>{entry.unit}</bdi>
+                    </>
+                  )}
+                </small>
+              </div>
+              <div className="toolbar">
+                {entry.access !== "wo" && (
+                  <button type="button" disabled={!full} aria-label={t("Read {key}", { key })} onClick={() => void read(entry)}>
+                    {t("Read")}
+                  </button>
+                )}
+                <output aria-label={t("Value of {key}", { key })}>{value?.text}</output>
+                {value?.octets && <span className="octets" title={t("The octets as transferred")}>{value.octets}</span>}
+                {!constant && (
+                  <form
+                    className="group"
+                    onSubmit={(e) => {
+                      e.preventDefault();
+                      void write(entry);
+                    }}
+                  >
+                    <input size={9} aria-label={t("New value of {key}", { key })} {...said} disabled={!full} value={edited.get(key) ?? ""} placeholder={value?.text ?? entry.unit} onChange={(e) => edit(new Map(edited).set(key, e.target.value))} onKeyDown={(e) => e.key === "Escape" && forget(entry)} />
+                    <button type="submit" disabled={!full} aria-label={t("Write {key}", { key })}>
+                      {t("Write")}
+                    </button>
+                  </form>
+                )}
+              </div>
+            </>
           )}
-          <output aria-label={t("Value of {key}", { key })}>{value?.text}</output>
-          {value?.octets && <span className="octets" title={t("The octets as transferred")}>{value.octets}</span>}
-          {!constant && (
-            <form
-              className="group"
-              onSubmit={(e) => {
-                e.preventDefault();
-                void write(entry);
-              }}
-            >
-              <input size={9} aria-label={t("New value of {key}", { key })} aria-invalid={reason !== undefined && reason !== ""} disabled={!full} value={edited.get(key) ?? ""} placeholder={value?.text ?? entry.unit} onChange={(e) => edit(new Map(edited).set(key, e.target.value))} />
-              <button type="submit" disabled={!full} aria-label={t("Write {key}", { key })}>
-                {t("Write")}
-              </button>
-            </form>
-          )}
-        </div>
-        {reason && (
-          <p className="reason" role="alert">
-            {reason}
-          </p>
-        )}
+        </Refusable>
       </li>
     );
   };

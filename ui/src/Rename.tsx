@@ -4,8 +4,9 @@ import { useEffect, useState } from "react";
 import { Changes } from "./Changes.tsx";
 import { Button } from "./kit/Button.tsx";
 import { Dialog } from "./kit/Dialog.tsx";
+import { Refusable } from "./kit/Refusable.tsx";
 import type { FileChange, Rename as Asked, SystemState } from "./protocol/Ui.ts";
-import { store } from "./store.ts";
+import { reasonOf, store } from "./store.ts";
 import { t } from "./texts.ts";
 
 type Subject = Pick<Asked, "kind" | "part"> & { name: string; label: string };
@@ -37,7 +38,7 @@ export function Rename({ system, instance, close, select }: { system: SystemStat
     const result = await store.ask({ case: "renamed", value: { kind, part, instance, name: name.trim(), carried_out } });
     wait(false);
     if (!result.done) {
-      refuse([result.message, result.hint].filter(Boolean).join("\n"));
+      refuse(reasonOf(result));
       return;
     }
     show(result.renamed);
@@ -71,15 +72,14 @@ export function Rename({ system, instance, close, select }: { system: SystemStat
             ))}
           </select>
         </label>
-        <label>
-          {t("New name")}
-          <input autoFocus value={name} aria-invalid={refused !== ""} onFocus={(e) => e.target.select()} onChange={(e) => setName(e.target.value)} />
-        </label>
-        {refused && (
-          <p className="reason" role="alert">
-            {refused}
-          </p>
-        )}
+        <Refusable reason={refused}>
+          {(said) => (
+            <label>
+              {t("New name")}
+              <input autoFocus value={name} {...said} onFocus={(e) => e.target.select()} onChange={(e) => setName(e.target.value)} />
+            </label>
+          )}
+        </Refusable>
         {changes && (
           <section aria-label={t("What changes")} className="changes" tabIndex={0}>
             <p>

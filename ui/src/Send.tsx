@@ -1,6 +1,7 @@
 /** Form to send frames once, cyclically, or as a sequence. */
 
 import { useEffect, useState } from "react";
+import { Refusable } from "./kit/Refusable.tsx";
 import { frameOf, stepsOf } from "./sequence.ts";
 import type { Step } from "./sequence.ts";
 import { store } from "./store.ts";
@@ -12,23 +13,27 @@ export function Send({ bus, full }: { bus: string; full: boolean }) {
   const [text, setText] = useState("");
   const [period, setPeriod] = useState("0.1");
   const [lines, setLines] = useState("");
+  const [refused, refuse] = useState({ frame: "", period: "", lines: "" });
   const [waiting, wait] = useState<{ begin: number; steps: Step[] }>();
   const { cyclic } = store.traffic;
   const send = async (text: string, period: number) => {
     const frame = frameOf(text);
-    if (!frame) return store.notify(t("A frame is written id#octets in hexadecimal digits, as 181#0102; id#R asks for one."));
-    if (!(period >= 0)) return store.notify(t("The period is not a number of seconds."));
+    const said = {
+      frame: frame ? "" : t("A frame is written id#octets in hexadecimal digits, as 181#0102; id#R asks for one."),
+      period: period >= 0 ? "" : t("The period is not a number of seconds."),
+      lines: "",
+    };
+    if (frame && !said.period) said.frame = await store.attempt({ case: "frame", value: { ...frame, bus, period } });
+    refuse(said);
+    if (!frame || said.frame || said.period) return;
     const key = `${bus} ${frame.can_id} ${frame.extended}`;
-    const result = await store.order({ case: "frame", value: { ...frame, bus, period } });
-    if (!result.done) return undefined;
     if (period) cyclic.set(key, { bus, text: text.trim() });
     else cyclic.delete(key);
-    return undefined;
   };
   const begin = () => {
     const steps = stepsOf(lines);
-    if (typeof steps === "string") store.notify(steps);
-    else if (steps.length) wait({ begin: store.page.system?.time.now ?? 0, steps });
+    refuse({ frame: "", period: "", lines: typeof steps === "string" ? steps : "" });
+    if (typeof steps !== "string" &&  steps.length) wait({ begin: store.page.system?.time.now ?? 0, steps });
   };
   // Times are those of the run, so a sequence pauses with it.
   useEffect(() => {
@@ -51,17 +56,25 @@ export function Send({ bus, full }: { bus: string; full: boolean }) {
           void send(text, 0);
         }}
       >
-        <label>
-          {t("Frame")}
-          <input size={18} placeholder="181#0102" value={text} disabled={!full} onChange={(e) => setText(e.target.value)} />
-        </label>
+        <Refusable reason={refused.frame}>
+          {(said) => (
+            <label>
+              {t("Frame")}
+              <input size={18} {...said} placeholder="181#0102" value={text} disabled={!full} onChange={(e) => setText(e.target.value)} />
+            </label>
+          )}
+        </Refusable>
         <button type="submit" disabled={!full}>
           {t("Send once")}
         </button>
-        <label>
-          {t("Period [s]")}
-          <input size={5} inputMode="decimal" value={period} disabled={!full} onChange={(e) => setPeriod(e.target.value)} />
-        </label>
+        <Refusable reason={refused.period}>
+          {(said) => (
+            <label>
+              {t("Period [s]")}
+              <input size={5} {...said} inputMode="decimal" value={period} disabled={!full} onChange={(e) => setPeriod(e.target.value)} />
+            </label>
+          )}
+        </Refusable>
         <button type="button" disabled={!full} onClick={() => void send(text, Number(period) || NaN)}>
           {t("Send cyclically")}
         </button>
@@ -73,10 +86,14 @@ export function Send({ bus, full }: { bus: string; full: boolean }) {
             {each.text} ×
           </button>
         ))}
-      <label className="sequence">
-        {t("Sequence")}
-        <textarea rows={3} placeholder={"0 181#0102\n0.5 181#0000"} value={lines} disabled={!full} onChange={(e) => setLines(e.target.value)} />
-      </label>
+      <Refusable reason={refused.lines}>
+        {(said) => (
+          <label className="sequence">
+            {t("Sequence")}
+            <textarea rows={3} {...said} placeholder={"0 181#0102\n0.5 181#0000"} value={lines} disabled={!full} onChange={(e) => setLines(e.target.value)} />
+          </label>
+        )}
+      </Refusable>
       <button type="button" disabled={!full} onClick={() => (waiting ? wait(undefined) : begin())}>
         {waiting ? t("Stop the sequence") : t("Send the sequence")}
       </button>

@@ -2,13 +2,13 @@
 
 import { useEffect, useState } from "react";
 import { CallTable, Histogram } from "./Board.tsx";
-import { Form } from "./Form.tsx";
+import { Form, Refusal } from "./Form.tsx";
 import type { Draft } from "./draft.ts";
 import { DraftError, draft, finish } from "./draft.ts";
 import type { BoardCall, Component, Operation, PortAddress, Result } from "./protocol/Ui.ts";
 import { CdrError, deserialize, serialize } from "./protocol/_cdr.ts";
 import { rich } from "./rich.tsx";
-import { leaves, store } from "./store.ts";
+import { leaves, reasonOf, store } from "./store.ts";
 import { t } from "./texts.ts";
 
 /** Maximum number of repeated calls of a form. */
@@ -47,6 +47,7 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
   const [value, change] = useState(before?.value ?? first.value);
   const [times, setTimes] = useState(before?.times ?? 1);
   const [outcome, show] = useState(before?.outcome);
+  const [refused, refuse] = useState<DraftError>();
   useEffect(() => {
     kept.delete(key);
     kept.set(key, { value, times, outcome });
@@ -55,11 +56,16 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
   const call = async () => {
     const failed = (error: string) => show({ error, values: [], calls: [] });
     let octets = new Uint8Array();
+    refuse(undefined);
     try {
       if (operation.request >= 0)
         octets = serialize(store.types.codec(operation.request), finish(store.types, operation.request, value)) as Uint8Array<ArrayBuffer>;
     } catch (error) {
-      if (error instanceof DraftError || error instanceof CdrError) return failed(error.message);
+      if (error instanceof DraftError) {
+        show(undefined);
+        return refuse(error);
+      }
+      if (error instanceof CdrError) return failed(error.message);
       throw error;
     }
     const before = store.traffic.callCount;
@@ -70,7 +76,7 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
       result = results.find((each) => !each.done) ?? results.at(-1)!;
     }
     if (!result) return undefined;
-    if (!result.done) return failed([result.message, result.hint].filter(Boolean).join(": "));
+    if (!result.done) return failed(reasonOf(result));
     let reply: unknown = {};
     try {
       if (operation.reply >= 0) reply = deserialize(store.types.codec(operation.reply), result.reply);
@@ -97,7 +103,19 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
         <p>{first.refused}</p>
       ) : (
         <>
-          {operation.request >= 0 && <Form type={operation.request} value={value} label="" change={change} />}
+          {operation.request >= 0 && (
+            <Refusal value={refused}>
+              <Form
+                type={operation.request}
+                value={value}
+                label=""
+                change={(next) => {
+                  change(next);
+                  refuse(undefined);
+                }}
+              />
+            </Refusal>
+          )}
           <button type="submit" disabled={!full} aria-label={t("Call {name} of {instance}.{port}", { name: operation.name, instance: port.instance, port: port.port })}>
             {t("Call")}
           </button>{" "}

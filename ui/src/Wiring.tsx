@@ -23,6 +23,8 @@ import type { Misfit } from "./Purpose.tsx";
 import { Purpose } from "./Purpose.tsx";
 import { stateClass, stateOf, store } from "./store.ts";
 import { t } from "./texts.ts";
+import type { Unfit } from "./Unfit.tsx";
+import { UnfitCard, ordered, sentence } from "./Unfit.tsx";
 import type { View } from "./views.ts";
 import { ROOM, useWidth } from "./width.ts";
 
@@ -62,7 +64,7 @@ function PortRow({ component, port, fits, joined }: { component: Component; port
   const kind = service ? "service" : port.kind === "PORT_IN" ? "in" : "out";
   const refused = fits?.get(address({ instance: component.instance, port: port.name }))?.refused;
   const type = service ? port.interfaces.map((each) => each.provided ? t("provides {type}", { type: each.type }) : t("uses {type}", { type: each.type })).join(", ") : port.type;
-  const title = [port.name, type, port.unit && `[${port.unit}]`, port.doc, refused && t("Does not fit: {reason}", { reason: refused })].filter(Boolean).join("\n");
+  const title = [port.name, type, port.unit && `[${port.unit}]`, port.doc, refused && t("Does not fit: {reason}", { reason: sentence(refused) })].filter(Boolean).join("\n");
   const mark = fits ? (refused === undefined ? "other" : refused ? "refused" : "fits") : "";
   const provided = port.interfaces.some((each) => each.provided);
   const style = { "--ink": ink(service ? typeOf(port) : port.type) } as CSSProperties;
@@ -300,6 +302,7 @@ export const Wiring = memo(function Wiring(props: {
   const [picked, pick] = useState<ReadonlySet<string>>(new Set());
   const [fits, setFits] = useState<ReadonlyMap<string, Fit>>();
   const [misfit, ask] = useState<Misfit>();
+  const [unfit, explain] = useState<Unfit>();
   const [menu, setMenu] = useState<Place & { edge: boolean }>();
   /** Whether the small map is shown: undefined: beside a part of the wiring. */
   const [wanted, showMap] = useState<boolean>();
@@ -564,16 +567,16 @@ export const Wiring = memo(function Wiring(props: {
     // An answer after the end of its drag would be applied to the next drag.
     if (result.done && drag === drags.current) setFits(new Map(result.fits.map((each: Fit) => [address(each.port), each])));
   };
-  const connect = (drawn: Drawn) =>
-    store.order({
-      case: "wire",
-      value: {
-        source: portOf(drawn.source, drawn.sourceHandle),
-        target: portOf(drawn.target, drawn.targetHandle),
-        name: "",
-        properties: [],
-      },
-    });
+  /** Shows at a port why it does not fit the one that a line was begun at. */
+  const refuse = (here: PortAddress, there: PortAddress, reason: string) => {
+    const port = section.current!.querySelector(`[data-nodeid="${CSS.escape(idOf(there.instance))}"][data-handleid="${CSS.escape(idOf(there.port))}"]`);
+    if (port) explain({ ends: ordered(components, here, there), reason, at: port.getBoundingClientRect() });
+  };
+  const connect = async (drawn: Drawn) => {
+    const [source, target] = [portOf(drawn.source, drawn.sourceHandle), portOf(drawn.target, drawn.targetHandle)];
+    const reason = await store.attempt({ case: "wire", value: { source, target, name: "", properties: [] } });
+    if (reason) refuse(source, target, reason);
+  };
   const place = (id: string, position: Point) =>
     store.order({ case: "place", value: { instance: nameOf(id), where: stored(position) } }).then(() => steered.current.delete(id));
   const items = ({ label, edge }: Place & { edge: boolean }): Item[] => {
@@ -635,6 +638,7 @@ export const Wiring = memo(function Wiring(props: {
           onInit={setFlow}
           onMoveStart={(event) => {
             moved.current ||= event !== null;
+            if (event) explain(undefined);
           }}
           colorMode="system"
           ariaLabelConfig={LABELS}
@@ -668,7 +672,10 @@ export const Wiring = memo(function Wiring(props: {
             const fit = end && fits?.get(address(portOf(end.nodeId, end.id)));
             const from = state.fromHandle;
             if (fit?.allow && from && full) ask({ here: portOf(from.nodeId, from.id), fit });
-            else if (fit?.refused) store.notify(fit.refused);
+            else if (fit?.refused && from) {
+              store.refuse(fit.refused);
+              refuse(portOf(from.nodeId, from.id), fit.port, fit.refused);
+            }
             drags.current++;
             setFits(undefined);
           }}
@@ -736,6 +743,7 @@ export const Wiring = memo(function Wiring(props: {
         </div>
       )}
       {menu && <Menu place={menu} items={items(menu)} close={() => setMenu(undefined)} />}
+      {unfit && <UnfitCard unfit={unfit} close={() => explain(undefined)} />}
       {misfit && <Purpose misfit={misfit} close={() => ask(undefined)} />}
     </section>
   );

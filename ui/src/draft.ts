@@ -15,6 +15,13 @@ export interface Chosen {
 
 export class DraftError extends Error {
   override name = "DraftError";
+  /** `path`: that of the value, as fields have it; empty: it is about none. */
+  constructor(
+    message: string,
+    readonly path = "",
+  ) {
+    super(path ? `${path}: ${message}` : message);
+  }
 }
 
 const INTEGERS: Partial<Record<TypeNode["kind"], readonly [bigint, bigint]>> = {
@@ -105,7 +112,7 @@ function items(value: unknown, dimensions: number): unknown[] {
 export function finish(table: TypeTable, type: number, value: Draft, path = ""): unknown {
   const each = node(table, type);
   const fail = (text: string): never => {
-    throw new DraftError(path ? `${path}: ${text}` : text);
+    throw new DraftError(text, path);
   };
   const inner = (one: number, part: Draft, step: string) => finish(table, one, part, path ? `${path}${step}` : step.replace(/^\./, ""));
   const limits = range(each);
@@ -136,7 +143,7 @@ export function finish(table: TypeTable, type: number, value: Draft, path = ""):
     }
     case "TYPE_MAP": {
       const pairs = value as [Draft, Draft][];
-      return new Map(pairs.map(([k, v], i) => [inner(each.key, k, `[${i}].key`), inner(each.element, v, `[${i}].value`)]));
+      return new Map(pairs.map(([k, v], i) => [finish(table, each.key, k, t("{name}, key", { name: `${path}[${i}]` })), inner(each.element, v, `[${i}]`)]));
     }
     case "TYPE_STRUCT": {
       const parts = value as { [name: string]: Draft };

@@ -102,6 +102,7 @@ const KINDS: Readonly<Record<string, string>> = {
   lost: t("lost"),
   notice: t("notice"),
   overrun: t("overrun"),
+  refused: t("refused"),
   skipped: t("skipped"),
   waiting: t("waiting"),
   warning: t("warning"),
@@ -214,8 +215,22 @@ export class Store {
   async order(asked: Command): Promise<Result> {
     if (asked.case !== "looked" && asked.case !== "injected") this.say("asked", `${asked.case} ${words(asked.value)}`);
     const result = await this.ask(asked);
-    this.change({ notice: result.done ? "" : [result.message, result.hint].filter(Boolean).join(": ") });
+    this.change({ notice: reasonOf(result) });
     return result;
+  }
+
+  /** Sends a command; the result is the reason if it is refused, which its sender shows where it was given. */
+  async attempt(asked: Command): Promise<string> {
+    this.say("asked", `${asked.case} ${words(asked.value)}`);
+    const reason = reasonOf(await this.ask(asked));
+    this.refuse(reason);
+    return reason;
+  }
+
+  /** Puts the reason of a refusal into the console. */
+  refuse(reason: string): void {
+    if (reason) this.say("refused", reason);
+    this.change({});
   }
 
   /** Subscribes to channels until the result is called; for new ones the server also sends past samples. */
@@ -502,6 +517,9 @@ export class Store {
     for (const [name, row] of track.numbers) row.push(found.get(name) ?? NaN);
   }
 }
+
+/** Why a command was refused; empty if it was not. */
+export const reasonOf = ({ done, message, hint }: Result): string => (done ? "" : [message, hint].filter(Boolean).join(": "));
 
 /** A value of a command in words. */
 const words = (value: unknown): string =>

@@ -7,6 +7,7 @@ import threading
 from typing import Any
 
 import pytest
+from page_flaws import flaws
 from patience import PATIENCE
 from ui_bench import by_keyboard, drag, pick, select, until
 
@@ -185,9 +186,26 @@ def test_ports_that_do_not_fit_are_refused_with_the_reason(
     page.locator(".port.refused").first.wait_for()
     target.hover(force=True)
     page.mouse.up()
-    page.get_by_role("alert").wait_for()
+    card = page.get_by_role("dialog", name="have different types")
+    card.wait_for()
     assert len(session.whole().connections) == before
-    page.get_by_role("button", name="Dismiss notice").click()
+    assert card.get_by_role("columnheader").all_inner_texts() == [
+        WHEELS,
+        "RefHardRh30.InTargetVelocity",
+    ]
+    rows = [each.split("\t") for each in card.get_by_role("row").all_inner_texts()[1:]]
+    assert all(left.strip() != right.strip() for left, right in rows)
+    assert "RTC::TimedDoubleSeq" in rows[0][0]
+    assert "TimedVelocity2D" in rows[0][1]
+    port, shown = target.bounding_box(), card.bounding_box()
+    assert (
+        min(abs(port["y"] - shown["y"]), abs(port["y"] - shown["y"] - shown["height"]))
+        < 40
+    )
+    assert not page.get_by_role("alert").count()
+    assert flaws(page, ".unfit") == []
+    page.keyboard.press("Escape")
+    card.wait_for(state="detached")
 
 
 def test_an_answer_after_the_end_of_a_drag_marks_nothing(

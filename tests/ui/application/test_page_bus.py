@@ -218,7 +218,14 @@ def test_objects_are_read_and_written(bus: Any, press: Callable[[Any], None]) ->
     region.locator(".object").get_by_text(octets, exact=True).wait_for()
     region.get_by_label("New value of 6083h:0").fill("x")
     press(region.get_by_role("button", name="Write 6083h:0"))
-    region.get_by_role("alert").wait_for()
+    reason = region.get_by_role("alert")
+    reason.wait_for()
+    written = region.get_by_label("New value of 6083h:0")
+    assert written.get_attribute("aria-describedby") == reason.get_attribute("id")
+    assert written.input_value() == "x"
+    written.press("Escape")
+    reason.wait_for(state="detached")
+    assert written.input_value() == ""
     region.get_by_label("Objects", exact=True).fill("")
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 import pytest
+from page_flaws import violations
 from ui_bench import by_keyboard, choose, open_menu, until
 
 from rtgen.ui.session import Session
@@ -46,6 +47,14 @@ def test_ports_are_wired_by_keyboard(page: Any, session: Session) -> None:
         has_text="RefHardRh30.InTargetVelocity"
     )
     assert "InPort" in line.inner_text()
+    compare = refused.get_by_role("button", name="Compare the types").first
+    press(page, compare)
+    card = page.get_by_role("dialog", name="have different types")
+    card.get_by_role("columnheader", name=target).wait_for()
+    assert violations(page) == []
+    page.keyboard.press("Escape")
+    card.wait_for(state="detached")
+    refused.locator("button:focus").wait_for()
     press(page, page.get_by_role("button", name=f"Connect {target} with {source}"))
     until(page, lambda: are_connected(session))
     changes.get_by_text(f"{source} to {target}: connected").wait_for()

@@ -56,7 +56,9 @@ def test_properties_of_a_connection_are_shown_as_a_change_and_set(
     length = wire.get_by_label("inport length")
     length.fill("0")
     press(wire.get_by_role("button", name="Show what changes"))
-    wire.get_by_role("alert").get_by_text("an integer, at least 1").wait_for()
+    reason = wire.get_by_role("alert").filter(has_text="an integer, at least 1")
+    reason.wait_for()
+    assert length.get_attribute("aria-describedby") == reason.get_attribute("id")
     assert properties(session) == before
     length.fill("3")
     press(wire.get_by_role("button", name="Show what changes"))

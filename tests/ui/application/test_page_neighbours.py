@@ -150,8 +150,8 @@ def test_lines_between_their_boxes_are_drawn(
     assert view.get_attribute("style") == place
     refused.hover(force=True)
     page.mouse.up()
-    page.get_by_role("alert").get_by_text("different types").wait_for()
-    page.get_by_role("button", name="Dismiss notice").click()
+    page.get_by_role("dialog", name="different types").wait_for()
+    page.keyboard.press("Escape")
 
 
 def test_their_values_are_shown_and_their_services_called(

@@ -70,9 +70,13 @@ def test_arguments_are_checked_before_they_are_sent(services: Any) -> None:
     assert fields.count() == 2
     fields.nth(0).fill("fast")
     fields.nth(0).press("Enter")
-    result = services.get_by_role("status", name="Result of setLimits")
-    result.get_by_text("is not a number").wait_for()
+    reason = form.get_by_role("alert").filter(has_text="is not a number")
+    reason.wait_for()
+    assert fields.nth(0).get_attribute("aria-describedby") == reason.get_attribute("id")
+    assert fields.nth(1).get_attribute("aria-invalid") is None
     fields.nth(0).fill("10")
+    reason.wait_for(state="detached")
+    result = services.get_by_role("status", name="Result of setLimits")
     fields.nth(1).fill("50")
     fields.nth(1).press("Enter")
     result.get_by_text("40 24 00 00 00 00 00 00 40 49 00 00").wait_for()

@@ -8,6 +8,7 @@ from dataclasses import dataclass, field
 from typing import Any
 
 import pytest
+from page_flaws import flaws, violations
 from patience import PATIENCE
 from ui_bench import GOAL, QUIET, by_keyboard, by_mouse, pick, select, until
 
@@ -131,9 +132,26 @@ def test_by_keyboard(page: Any, session: Session, settings: Callable[[], Any]) -
     alert = page.get_by_role("alert")
     alert.wait_for()
     assert "its constraint is 1<=x<=9" in alert.inner_text()
-    until(page, lambda: spin.input_value() == "4")
-    assert settings().count == 4
-    page.get_by_role("button", name="Dismiss notice").press("Enter")
+    assert spin.get_attribute("aria-invalid") == "true"
+    assert spin.get_attribute("aria-describedby") == alert.get_attribute("id")
+    assert alert.bounding_box()["y"] >= spin.bounding_box()["y"]
+    assert violations(page) == []
+    assert flaws(page, ".parameters") == []
+    page.get_by_role("textbox", name="Shown0.note").focus()
+    assert (spin.input_value(), settings().count) == ("40", 4)
+    spin.press("Escape")
+    alert.wait_for(state="detached")
+    assert spin.input_value() == "4"
+    spin.fill("0")
+    spin.press("Enter")
+    alert.wait_for()
+    spin.fill("4")
+    spin.press("Enter")
+    alert.wait_for(state="detached")
+    assert spin.get_attribute("aria-invalid") is None
+    assert "0<=x" not in page.get_by_role("row", name="gain").inner_text()
+    ends = page.get_by_role("row", name="gain").locator("small").all_inner_texts()
+    assert ends == ["0", "1"]
     page.get_by_role("radio", name="near").press("Space")
     until(page, lambda: settings().mode == "near")
     pick(page.get_by_label("Add to Shown0.order"), "b", by_keyboard)

@@ -7,6 +7,7 @@ import { Group, Panel as Pane, Separator } from "react-resizable-panels";
 import { Menu } from "../Menu.tsx";
 import { Button, IconButton } from "./Button.tsx";
 import { Dialog, Question } from "./Dialog.tsx";
+import { Refusable } from "./Refusable.tsx";
 import { Tabs } from "./Tabs.tsx";
 
 const VIEWS = ["Values", "Connections", "Timeline"] as const;
@@ -60,7 +61,7 @@ export function Gallery() {
               Number <input type="number" defaultValue={3} />
             </label>
             <label>
-              Refused <input aria-invalid defaultValue="x" />
+              Refused <Refusable reason="its constraint is 1<=x<=9">{(said) => <input {...said} defaultValue="40" />}</Refusable>
             </label>
             <label>
               Off <input disabled defaultValue="read only" />
@@ -107,7 +108,7 @@ export function Gallery() {
           </div>
           <p className="notice">{"Oven0.power and Thermostat0.temperature have different types\nW is not degC"}</p>
           <p className="notice ended">The run has ended at 46.500 s: the plant is not connected</p>
-          <p className="reason">on_execute: ValueError: too hot</p>
+          <p className="reason">on_execute (src/oven.py:12): ValueError: too hot</p>
         </section>
         <section className="card" aria-label="Tabs and table">
           <h2>Tabs and table</h2>
