@@ -62,12 +62,12 @@ def test_the_bus_is_a_line_below_the_boxes(bus: Any, session: Session) -> None:
 def test_frames_are_decoded_and_filtered(bus: Any) -> None:
     frames = bus.get_by_role("table", name="Frames")
     frames.get_by_text("heartbeat", exact=True).first.wait_for()
-    bus.get_by_label("Filter").fill("tpdo1 node2")
+    bus.get_by_label("Filter", exact=True).fill("tpdo1 node2")
     frames.get_by_text("heartbeat", exact=True).first.wait_for(state="detached")
     frames.get_by_text("tpdo1", exact=True).first.wait_for()
     bus.get_by_role("img", name="Load of").wait_for()
     bus.get_by_text("computed").first.wait_for()
-    bus.get_by_label("Filter").fill("")
+    bus.get_by_label("Filter", exact=True).fill("")
 
 
 FILTERS = {
@@ -88,7 +88,7 @@ def test_filters_are_a_language(bus: Any, text: str, kinds: set[str]) -> None:
     counted = bus.get_by_role("button", name="By identifier")
     if counted.get_attribute("aria-pressed") == "false":
         counted.press("Enter")
-    filled = bus.get_by_label("Filter")
+    filled = bus.get_by_label("Filter", exact=True)
     filled.fill(text)
 
     def shown() -> set[str]:
@@ -103,7 +103,7 @@ def test_filters_are_a_language(bus: Any, text: str, kinds: set[str]) -> None:
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("text", ["(tpdo1", "id:xyz", "a | ", "!", "node>1-2", ")"])
 def test_a_filter_that_is_wrong_says_why(bus: Any, text: str) -> None:
-    filled = bus.get_by_label("Filter")
+    filled = bus.get_by_label("Filter", exact=True)
     filled.fill(text)
     bus.locator("input[aria-invalid=true]").wait_for()
     bus.get_by_role("region", name="Frames").locator(".reason").wait_for()
