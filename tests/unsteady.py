@@ -31,9 +31,18 @@ def judge(
     file = cache / "v" / "cache" / "lastfailed"
     failed = [*json.loads(file.read_text())] if file.exists() else []
     times = TIMES if code == FAILURES and 0 < len(failed) <= MOST else 1
-    again = [python, "-m", "pytest", "-q", "-p", "no:cacheprovider", *failed]
+    again = [
+        python,
+        "-m",
+        "pytest",
+        "-q",
+        "-p",
+        "no:cacheprovider",
+        f"--maxfail={MOST}",
+    ]
     for _ in range(times if failed else 0):
-        if subprocess.run(again, cwd=ROOT, env=environment, check=False).returncode:
+        command = [*again, *failed]
+        if subprocess.run(command, cwd=ROOT, env=environment, check=False).returncode:
             return code
     if times != TIMES:
         return code

@@ -15,12 +15,12 @@ export interface Chosen {
 
 export class DraftError extends Error {
   override name = "DraftError";
-  /** `path`: that of the value, as fields have it; empty: it is about none. */
-  constructor(
-    message: string,
-    readonly path = "",
-  ) {
+  /** That of the value, as fields have it; empty: it is about none. */
+  readonly path: string;
+
+  constructor(message: string, path = "") {
     super(path ? `${path}: ${message}` : message);
+    this.path = path;
   }
 }
 

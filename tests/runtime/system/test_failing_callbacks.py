@@ -3,8 +3,10 @@
 from __future__ import annotations
 
 import logging
+import re
 from bdb import BdbQuit
 from collections.abc import Callable
+from pathlib import Path
 
 import pytest
 from patience import until
@@ -162,7 +164,8 @@ def test_a_failure_is_reported_once_and_only_interrupts_end_the_run(
         assert own[0].error.code is not None
         assert own[0].error.code.co_filename == __file__
     if callback in INTO_ERROR:
-        assert reason.startswith(f"{callback}: ")
+        place = rf"\(\S*{Path(__file__).name}:\d+\)"
+        assert re.match(rf"{callback} {place}: ", reason)
     assert not component.is_alive()
     assert component.called[-1] == "on_finalize"
 

@@ -93,7 +93,9 @@ def test_all_components_at_once(page: Any, session: Session) -> None:
 def test_execution_contexts_are_shown(page: Any, session: Session) -> None:
     select(page, ODOMETRY)
     panel = page.get_by_role("complementary")
-    panel.get_by_text(re.compile(r"100 Hz periodic, \d+ ticks, 0 overruns")).wait_for()
+    panel.get_by_text(
+        re.compile(r"100 Hz periodic, \d+\sticks, 0\soverruns")
+    ).wait_for()
 
 
 def test_a_component_is_added_by_mouse_and_keyboard(

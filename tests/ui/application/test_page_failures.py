@@ -150,7 +150,7 @@ def test_overruns_are_counted(page: Any, session: Session) -> None:
         page,
         lambda: (
             f"50 Hz {overruns()} overruns" in box.inner_text()
-            and f", {overruns()} overruns, 0 lost" in panel.inner_text()
+            and f", {overruns()}\xa0overruns, 0\xa0lost" in panel.inner_text()
         ),
     )
     page.get_by_role("tab", name="Timeline").click()
