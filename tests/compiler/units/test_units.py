@@ -7,10 +7,12 @@ import math
 import subprocess
 import sys
 
+import pint
 import pytest
 import usual_units
 from hypothesis import given
 from hypothesis import strategies as st
+from packaging.version import Version
 
 from rtgen.compiler.kit.units import (
     Relation,
@@ -224,6 +226,8 @@ def test_suggested_units_are_units(text: str) -> None:
 
 def test_usual_units_and_names_are_those_of_pint() -> None:
     stored = json.loads(usual_units.FILE.read_text("utf-8"))
+    if Version(pint.__version__) > Version(stored["pint"]):
+        pytest.skip(f"what pint {pint.__version__} says is not stored yet")
     said = usual_units.content()
     assert list(stored["units"]) == list(said["units"])
     for symbol, unit in said["units"].items():

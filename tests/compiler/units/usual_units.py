@@ -32,14 +32,22 @@ def content() -> dict[str, Any]:
     }
 
 
-if __name__ == "__main__":
-    new = content()
+def main() -> None:
+    """Write the file; names that only other versions of pint have stay in it."""
+    new, stored = content(), json.loads(FILE.read_text("utf-8"))
     lines = (
         f"{json.dumps(symbol)}: {json.dumps(unit)}"
         for symbol, unit in new["units"].items()
     )
-    rest = (
-        f"{json.dumps(key)}: {json.dumps(new[key])}" for key in ("names", "prefixes")
-    )
+    kinds = ("names", "prefixes")
+    for kind in kinds:
+        words = {*new[kind].split(), *stored[kind].split()}
+        new[kind] = " ".join(sorted(words))
+    new["pint"] = max(pint.__version__, stored.get("pint", ""))
+    rest = (f"{json.dumps(key)}: {json.dumps(new[key])}" for key in (*kinds, "pint"))
     text = '{"units": {\n' + ",\n".join(lines) + "\n},\n" + ",\n".join(rest) + "\n}\n"
     FILE.write_text(text, "utf-8")
+
+
+if __name__ == "__main__":
+    main()
