@@ -153,10 +153,11 @@ export function draw(canvas: HTMLCanvasElement, layers: readonly Layer[], view: 
     context.fillStyle = context.strokeStyle = colour;
     if (kind === "body") drawBody(context, x, y, at.heading, text);
     else drawGoal(context, x, y, at.heading);
-    const spot = labelPlace(x, y, context.measureText(label).width, width, height, labels);
+    const shown = shortened(context, label, Math.max(x, width - x) - BODY - 2 * LABEL.gap);
+    const spot = labelPlace(x, y, context.measureText(shown).width, width, height, labels);
     if (!spot) continue;
     labels.push(spot);
-    drawLabel(context, spot, label, text, paper);
+    drawLabel(context, spot, shown, text, paper);
   }
   if (cross) line([{ x: view.x - 8 / view.scale, y: view.y, heading: 0 }, { x: view.x + 8 / view.scale, y: view.y, heading: 0 }], []);
   if (cross) line([{ x: view.x, y: view.y - 8 / view.scale, heading: 0 }, { x: view.x, y: view.y + 8 / view.scale, heading: 0 }], []);
@@ -178,6 +179,18 @@ export function draw(canvas: HTMLCanvasElement, layers: readonly Layer[], view: 
 const MOST_MARKS = 40;
 
 export const distance = ({ from, to }: Measured): string => `${Math.hypot(to.x - from.x, to.y - from.y).toFixed(3)} m`;
+
+/** A label that is at most `most` wide [px]: the middle of a longer one is left out. */
+function shortened(context: CanvasRenderingContext2D, label: string, most: number): string {
+  const { width } = context.measureText(label);
+  if (width <= most) return label;
+  const letters = [...label];
+  for (let rest = Math.floor((letters.length * most) / width); rest > 1; rest--) {
+    const text = `${letters.slice(0, Math.ceil(rest / 2)).join("")}…${letters.slice(-Math.floor(rest / 2)).join("")}`;
+    if (context.measureText(text).width <= most) return text;
+  }
+  return "…";
+}
 
 /** The left end and the base line of a label, and its width [px]. */
 interface Box extends Point {

@@ -94,7 +94,7 @@ def test_execution_contexts_are_shown(page: Any, session: Session) -> None:
     select(page, ODOMETRY)
     panel = page.get_by_role("complementary")
     panel.get_by_text(
-        re.compile(r"100 Hz periodic, \d+\sticks, 0\soverruns")
+        re.compile(r"100\sHz periodic, \d+\sticks, 0\soverruns")
     ).wait_for()
 
 

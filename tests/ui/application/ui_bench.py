@@ -184,7 +184,9 @@ def choose(page: Any, name: str, press: Callable[[Any], None]) -> None:
         return
     items = page.get_by_role("menuitem")
     items.and_(page.locator(":focus")).wait_for()
-    for _ in range(items.all_inner_texts().index(name)):
+    texts = items.all_inner_texts()
+    assert name in texts, texts
+    for _ in range(texts.index(name)):
         page.keyboard.press("ArrowDown")
     item.and_(page.locator(":focus")).wait_for()
     page.keyboard.press("Enter")
