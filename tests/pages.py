@@ -39,8 +39,9 @@ import subprocess
 import sys
 import tomllib
 from collections.abc import Callable, Iterator
-from contextlib import chdir, redirect_stderr, redirect_stdout
+from contextlib import chdir, contextmanager, redirect_stderr, redirect_stdout
 from dataclasses import dataclass, field
+from importlib import invalidate_caches
 from pathlib import Path
 from unittest.mock import patch
 
@@ -314,7 +315,7 @@ class Runner:
             and not set("|<>$;*&") & set(text)
         ):
             known = _RUNS.get(text)
-            code, printed = known or _in_process(words[1:], here, self._environment())
+            code, printed = known or self._in_process(words[1:], here)
             if text.startswith("rtgen run specs/") and "--clock real" not in text:
                 _RUNS[text] = code, printed
         else:
@@ -343,6 +344,22 @@ class Runner:
         if self.locale is not None:
             settings |= {"LC_ALL": "", "LC_MESSAGES": self.locale}
         return {**os.environ, **settings, **self._set}
+
+    def _in_process(self, words: list[str], here: Path) -> tuple[int, str]:
+        texts = [io.TextIOWrapper(io.BytesIO(), "utf-8", newline="") for _ in range(2)]
+        with (
+            _imports_below(self.folder.resolve()),
+            chdir(here),
+            patch.dict(os.environ, self._environment()),
+            redirect_stderr(texts[0]),
+            redirect_stdout(texts[1]),
+        ):
+            code = rtgen(words)
+        printed = ""
+        for text in texts:
+            text.seek(0)
+            printed += text.read()
+        return code, printed
 
     def _in_shell(self, text: str, here: Path) -> tuple[int, str]:
         done = subprocess.run(
@@ -374,22 +391,20 @@ class Runner:
                 raise PageError(f"$ {text}\n{_difference(line, printed)}")
 
 
-def _in_process(
-    words: list[str], here: Path, environment: dict[str, str]
-) -> tuple[int, str]:
-    texts = [io.TextIOWrapper(io.BytesIO(), "utf-8", newline="") for _ in range(2)]
-    with (
-        chdir(here),
-        patch.dict(os.environ, environment),
-        redirect_stderr(texts[0]),
-        redirect_stdout(texts[1]),
-    ):
-        code = rtgen(words)
-    printed = ""
-    for text in texts:
-        text.seek(0)
-        printed += text.read()
-    return code, printed
+@contextmanager
+def _imports_below(folder: Path) -> Iterator[None]:
+    """Forget what is imported from a folder meanwhile, as the end of a process does."""
+    path = [*sys.path]
+    try:
+        yield
+    finally:
+        sys.path[:] = path
+        for name, module in [*sys.modules.items()]:
+            places = [module.__file__] if getattr(module, "__file__", None) else []
+            places += getattr(module, "__path__", ())
+            if any(Path(each).is_relative_to(folder) for each in places):
+                del sys.modules[name]
+        invalidate_caches()
 
 
 def _shape(line: str) -> str:
