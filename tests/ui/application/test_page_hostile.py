@@ -200,6 +200,11 @@ def test_names_come_back_as_they_are(shown_texts: Any, hostile: Hostile) -> None
         other = component(j, TEXTS[j])
         ends = (instance, f"{text} 2"), (other.instance, other.ports[0].name)
         until(page, lambda ends=ends: ends in map(drawn, asked(CONNECT)))
+        # The reason why it is refused takes the focus.
+        reason = page.get_by_role("dialog")
+        reason.wait_for()
+        page.keyboard.press("Escape")
+        reason.wait_for(state="hidden")
     names = [each.name for each in hostile.state.connections]
     for edge in page.locator(".react-flow__edge").all():
         edge.focus()
