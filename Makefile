@@ -92,7 +92,7 @@ waits: $(VENV)/test.stamp page peers
 	$(if $(WAITING),$(call PYTEST,build/pytest-waits,-m "waits and not nightly" $(WAITING)))
 
 dear: $(VENV)/test.stamp page peers speed
-	$(call PYTEST,build/pytest-nightly,-m "(nightly and not left_out) or random" $(FOLDER))
+	$(call PYTEST,build/pytest-nightly,-m "(nightly and not left_out and not (in_turns and postponed)) or random" $(FOLDER))
 
 # The tests of marshalling once more, with the codecs in C.
 codecs: export RTGEN_CODEC = c

@@ -90,7 +90,8 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
             item.add_marker("random")
         if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
-        name = item.path.relative_to(TESTS).as_posix()
+        in_turns = item.get_closest_marker("in_turns") is not None
+        name = item.name if in_turns else item.path.relative_to(TESTS).as_posix()
         if not (seeds.is_for_all() or seeds.has_turn(name)):
             item.add_marker("postponed")
 

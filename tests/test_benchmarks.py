@@ -10,11 +10,11 @@ from pathlib import Path
 
 import pytest
 import ros2_peers
-import seeds
 import speed
 
 ROOT = Path(__file__).resolve().parent.parent
 FOLDER = ROOT / "benchmarks"
+NIGHTLY = (pytest.mark.nightly, pytest.mark.in_turns)
 MARKS = {"pdo": (), "realtime": pytest.mark.waits}
 """Marks of those that `make test` starts, too."""
 PEERS = {
@@ -44,14 +44,9 @@ import tables  # noqa: E402
 @pytest.mark.peer
 @pytest.mark.parametrize(
     "name",
-    [
-        pytest.param(name, marks=MARKS.get(name, pytest.mark.nightly))
-        for name in SCRIPTS
-    ],
+    [pytest.param(name, marks=MARKS.get(name, NIGHTLY)) for name in SCRIPTS],
 )
 def test_each_benchmark_runs(name: str) -> None:
-    if name not in MARKS and not (seeds.is_for_all() or seeds.has_turn(name)):
-        pytest.skip("another seed has its turn; RTGEN_BUDGET=1 runs all")
     for module in PEERS.get(name, ()):
         pytest.importorskip(module)
     if name == "ros2" and isinstance(missing := ros2_peers.make("jazzy"), str):

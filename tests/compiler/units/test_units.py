@@ -226,16 +226,15 @@ def test_suggested_units_are_units(text: str) -> None:
 
 def test_usual_units_and_names_are_those_of_pint() -> None:
     stored = json.loads(usual_units.FILE.read_text("utf-8"))
-    if Version(pint.__version__) > Version(stored["pint"]):
-        pytest.skip(f"what pint {pint.__version__} says is not stored yet")
     said = usual_units.content()
     assert list(stored["units"]) == list(said["units"])
     for symbol, unit in said["units"].items():
         kept = parse(symbol)
         assert kept.dimension == unit.dimension, symbol
         assert kept[1:] == pytest.approx(unit[1:]), symbol
-    for kind in ("names", "prefixes"):
-        assert set(said[kind].split()) <= set(stored[kind].split())
+    if Version(pint.__version__) <= Version(stored["pint"]):
+        for kind in ("names", "prefixes"):
+            assert set(said[kind].split()) <= set(stored[kind].split())
 
 
 def test_usual_units_and_other_words_do_without_pint() -> None:
