@@ -5,10 +5,10 @@ from __future__ import annotations
 import logging
 from collections.abc import Callable, Mapping
 from contextlib import ExitStack
-from time import time_ns
 from typing import Any, Final
 
 from rtgen.runtime.system.records import MissingSamples
+from rtgen.runtime.timing.steady import steady_utc
 from rtgen.tools.kit.member_units import MemberUnits
 from rtgen.tools.recording import messages
 from rtgen.tools.recording.channels import LAYOUT, Channels, Writer, unit_entries
@@ -37,7 +37,7 @@ class PeersRecorder:
         writer: Writer,
         files: ExitStack,
         report: Callable[[str], None],
-        now: Callable[[], int] = time_ns,
+        now: Callable[[], int] = steady_utc,
     ) -> None:
         self.missing = MissingSamples()
         """The samples that cannot be encoded, and the ports that give none."""

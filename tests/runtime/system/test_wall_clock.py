@@ -20,7 +20,6 @@ from rtgen.ui import stored_tokens
 STAMP = "a stamp for other machines"
 
 READERS = {
-    "ui/peers_recorder.py time_ns": "when samples came, for people",
     "ui/stored_tokens.py _read": "the age of a file",
     "tools/kit/answering.py answered": "the age of files",
     "tools/kit/answers.py _is_valid": "the age of files",
