@@ -26,7 +26,9 @@ def main() -> None:
     for stream in (sys.stdout, sys.stderr):
         # Terminals of older encodings, such as cp932, lack characters of messages.
         if isinstance(stream, io.TextIOWrapper) and stream.encoding.lower() != "utf-8":
-            stream.reconfigure(errors="replace")
+            from rtgen.facts.substitutes import registered
+
+            stream.reconfigure(errors=registered())
     code = repeat(arguments)
     if code is None:
         from rtgen.cli import run

@@ -13,6 +13,7 @@ import pytest
 
 from rtgen.cli import COMMANDS, run
 from rtgen.facts import columns
+from rtgen.facts.substitutes import registered
 
 BROKEN = (
     "struct Wheel { double radius; } ;\nstruct /* 車輪の型 */ Wheel { double d; };\n"
@@ -201,6 +202,19 @@ def _python(*arguments: str, **environment: str) -> subprocess.CompletedProcess[
     )
 
 
+@pytest.mark.parametrize(
+    ("encoding", "text", "shown"),
+    [
+        ("cp932", "╭─╮ → 5 µm² · 2\N{EN DASH}3 …", "┌─┐ → 5 μm2 ・ 2-3 …"),
+        ("cp932", "車輪 Größe ☃", "車輪 Gr??e ?"),
+        ("euc_jp", "╔═╗", "┏━┓"),
+        ("ascii", "│→ •\N{NO-BREAK SPACE}✔", "|> * ?"),
+    ],
+)
+def test_signs_that_an_encoding_lacks(encoding: str, text: str, shown: str) -> None:
+    assert text.encode(encoding, registered()).decode(encoding) == shown
+
+
 def test_carets_are_below_the_characters_that_they_mark(
     project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -232,10 +246,13 @@ def test_columns_of_a_text(text: str, width: int) -> None:
 def test_ambiguous_characters_are_wide_on_terminals_of_cp932() -> None:
     code = (
         "from rtgen.facts.columns import columns\n"
-        "print(columns('°±'), columns('°±', on_terminal=False))"
+        "print(columns('°±'), columns('°±', on_terminal=False), columns('m²µ'))"
     )
-    assert _python("-c", code, PYTHONIOENCODING="cp932").stdout.split() == [b"4", b"2"]
-    assert _python("-c", code, PYTHONIOENCODING="utf-8").stdout.split() == [b"2", b"2"]
+    for encoding, widths in (
+        ("cp932", [b"4", b"2", b"4"]),
+        ("utf-8", [b"2", b"2", b"3"]),
+    ):
+        assert _python("-c", code, PYTHONIOENCODING=encoding).stdout.split() == widths
     assert unicodedata.east_asian_width("°") == "A"
 
 

@@ -9,6 +9,7 @@ from pathlib import Path
 import pytest
 
 from rtgen.cli import run
+from rtgen.compiler.diagnostics import Span
 from rtgen.openrtm import python_modules
 from rtgen.openrtm.python_modules import rules
 from rtgen.openrtm.python_modules.source import read_source
@@ -222,6 +223,47 @@ def test_mixed_tabs_are_not_called_python_2(tmp_path: Path) -> None:
     file.write_text("print 'x'\n")
     (finding,) = read_source(file).diagnostics
     assert "this is Python 2" in finding.message
+
+
+def test_places_of_python_2_are_those_of_the_file(tmp_path: Path) -> None:
+    """Its conversion expands tabs, and adds brackets and lines."""
+    file = tmp_path / "old.py"
+    lines = (
+        "def f(a, (b, c)):",
+        "\treturn '車輪', b",
+        "if f:",
+        "\tx = '車輪'; y = 1",
+        "        print 'x'",
+    )
+    file.write_text("\n".join(lines), encoding="utf-8")
+    source = read_source(file)
+    assert source.text.split("\n") == [*lines]
+    (finding,) = source.diagnostics
+    assert finding.span == Span(file.as_posix(), 1, 10, 1, 11)
+    assert source.tree is not None
+    places = {
+        node.targets[0].id: (node.lineno, node.col_offset)
+        for node in ast.walk(source.tree)
+        if isinstance(node, ast.Assign) and isinstance(node.targets[0], ast.Name)
+    }
+    assert places == {"x": (4, 1), "y": (4, 11)}
+
+
+@pytest.mark.parametrize(
+    ("lines", "marked"),
+    [
+        (["if a:", "        b = 1", "\tprint 'x'"], (3, 2, 3)),
+        (["if a:", "    if b:", "\tc = 1"], (3, 1, 2)),
+    ],
+)
+def test_what_is_marked_in_lines_with_tabs(
+    tmp_path: Path, lines: list[str], marked: tuple[int, int, int]
+) -> None:
+    file = tmp_path / "tabs.py"
+    file.write_text("\n".join(lines), encoding="utf-8")
+    (finding,) = read_source(file).diagnostics
+    line, column, end = marked
+    assert finding.span == Span(file.as_posix(), line, column, line, end)
 
 
 BASE = """\

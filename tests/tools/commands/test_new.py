@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import os
 import re
+import shutil
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,7 @@ from rtgen.cli import run
 from rtgen.compiler.project import output
 from rtgen.tools.scaffold import names, starters
 
+TEMPLATES = Path(starters.__file__).parents[2] / "templates/new"
 PARTS = {
     "component": ["component", "LeftArm"],
     "device": ["device", "Drive"],
@@ -214,16 +216,38 @@ def test_no_port_is_connected_to_a_device(
     assert (ambiguous in err) == (components.count("WheelProxy") > 1)
 
 
-def test_the_readme_of_a_project_is_in_the_language() -> None:
-    assert run(["--language", "ja", "new", "project", "mine"]) == 0
-    assert run(["new", "project", "other"]) == 0
-    japanese, english = (
-        Path(name, "README.md").read_text("utf-8") for name in ("mine", "other")
+@pytest.mark.parametrize(
+    ("arguments", "japanese", "english"),
+    [
+        (["project", "mine"], "| フォルダ |", "| folder |"),
+        (["project", "mine", "--from", "rh3"], "# RH3 の走行\n", "# RH3 drives\n"),
+        (["backend", "mine"], "バックエンド", "A back end of rtgen"),
+    ],
+    ids=["project", "reference", "backend"],
+)
+def test_a_readme_is_in_the_language(
+    arguments: list[str], japanese: str, english: str
+) -> None:
+    for language, text in (("ja", japanese), ("en", english)):
+        assert run(["--language", language, "new", *arguments]) == 0
+        assert text in Path("mine/README.md").read_text("utf-8")
+        shutil.rmtree("mine")
+
+
+@pytest.mark.parametrize(
+    "english",
+    sorted(TEMPLATES.glob("*/README.md.j2")),
+    ids=lambda each: each.parent.name,
+)
+def test_the_japanese_readme_has_the_commands_and_names_of_the_english_one(
+    english: Path,
+) -> None:
+    japanese, expected = (
+        re.sub(r"(?m) +#.*$", "", file.read_text("utf-8"))
+        for file in (english.with_name("README.ja.md.j2"), english)
     )
-    assert "| フォルダ | 内容 | 持ち主 |" in japanese
-    assert "| folder | content | owner |" in english
-    commands = re.findall(r"^\$ [^#\n]*\b", japanese, re.MULTILINE)
-    assert commands == re.findall(r"^\$ [^#\n]*\b", english, re.MULTILINE)
+    for form in (r"(?m)^\$ .*$", r"`[^`\n]+`", r"\{[{%].*?[%}]\}"):
+        assert sorted(re.findall(form, japanese)) == sorted(re.findall(form, expected))
 
 
 def test_the_same_name_gives_the_same_files(

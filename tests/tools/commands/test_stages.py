@@ -17,6 +17,7 @@ from small_pipeline import Pipeline
 
 from rtgen.cli import run
 from rtgen.compiler.kit import stages
+from rtgen.compiler.kit.translation import choose
 from rtgen.tools.compiling import shown_stages
 from rtgen.tools.compiling.stage_progress import StageProgress
 from rtgen.tools.compiling.stage_times import StageTimes
@@ -24,6 +25,13 @@ from rtgen.tools.compiling.stage_times import StageTimes
 MS = 1_000_000
 GENERATE = ["generate", "a.idl", "b.idl"]
 STRUCT = "module robots { struct Lamp { unsigned long colour; }; };\n"
+
+
+@pytest.fixture(autouse=True)
+def english() -> Iterator[None]:
+    choose("en")
+    yield
+    choose(None)
 
 
 class Clock:
@@ -265,6 +273,15 @@ def test_the_line_has_the_stage_and_the_file() -> None:
     progress.end()
     assert progress.text() == "version main"
     progress.end()
+    progress.close()
+
+
+def test_the_line_is_in_the_language() -> None:
+    choose("ja")
+    progress = StageProgress(3600)
+    progress.begin("version main")
+    progress.begin("read IDL")
+    assert progress.text() == "版 main、IDL の読み込み"
     progress.close()
 
 

@@ -80,3 +80,35 @@ def test_into_a_file(monkeypatch: pytest.MonkeyPatch) -> None:
 @pytest.mark.parametrize("text", ["速度\u3000[m/s]", "a\u00a0b", "é ü 漢字 🤖", "²℘"])
 def test_texts_of_all_languages_stay(text: str) -> None:
     assert printable(text) == text
+
+
+@pytest.mark.parametrize(
+    ("text", "lines"),
+    [
+        (
+            "作成: definitions/drive.eds, tests/test_drive.py",
+            ["作成: definitions/drive.eds,", "  tests/test_drive.py"],
+        ),
+        (
+            "書き込み 8、削除 0、同じ 4。作成: src/swing.py",
+            ["書き込み 8、削除 0、同じ 4。", "  作成: src/swing.py"],
+        ),
+        (
+            "instance  state  cycles  overruns  lost",
+            ["instance  state  cycles  overruns  lost"],
+        ),
+        (
+            "    7 | double wanted; double allowed; ",
+            ["    7 | double wanted; double allowed; "],
+        ),
+    ],
+)
+def test_messages_fit_a_terminal(
+    monkeypatch: pytest.MonkeyPatch, text: str, lines: list[str]
+) -> None:
+    """Between words, or characters that are two columns wide; tables and excerpts stay."""
+    monkeypatch.setenv("COLUMNS", "30")
+    with terminal_as("stderr", monkeypatch) as control:
+        Console("text", colour=False, quiet=False).say(f"{text}\n.")
+        shown = shown_on(control, ".\r\n")
+    assert shown.split("\r\n") == [*lines, ".", ""]

@@ -9,6 +9,8 @@ from functools import cache
 from itertools import zip_longest
 from unicodedata import category, east_asian_width
 
+from rtgen.facts.substitutes import registered
+
 _NO_COLUMN = ("Mn", "Me", "Cf")
 _WIDE = "WF"
 _CLOSING = r",.:;?!)\]、。\uff0c\uff0e・\uff1a\uff1b\uff1f\uff01\uff09」』】〉》ーっゃゅょッャュョ"
@@ -29,7 +31,11 @@ def columns(text: str, *, on_terminal: bool = True) -> int:
     """
     if text.isascii():
         return len(text)
-    wide = _WIDE + "A" * (on_terminal and _are_ambiguous_wide())
+    wide = _WIDE
+    encoding = _legacy() if on_terminal else None
+    if encoding is not None:
+        wide += "A"
+        text = text.encode(encoding, registered()).decode(encoding)
     return sum(_columns_of(character, wide) for character in text)
 
 
@@ -40,9 +46,10 @@ def _columns_of(character: str, wide: str) -> int:
 
 
 @cache
-def _are_ambiguous_wide() -> bool:
+def _legacy() -> str | None:
+    """Return the encoding of the terminal if it is an older Japanese one."""
     encoding = getattr(sys.stderr, "encoding", None) or ""
-    return encoding.lower().replace("-", "_") in _LEGACY
+    return encoding if encoding.lower().replace("-", "_") in _LEGACY else None
 
 
 def padded(text: str, width: int) -> str:

@@ -7,6 +7,7 @@ import re
 import tokenize
 import warnings
 from dataclasses import dataclass
+from difflib import SequenceMatcher
 from functools import cache
 from importlib import import_module
 from io import BytesIO
@@ -83,21 +84,83 @@ def read_source(path: Path) -> Source:
     if wrong is not None and (changed := _python_3(text, wrong.message)) is not None:
         tree, _ = _parsed(changed, file)
         if tree is not None:
-            message = "this is Python 2; its syntax is converted to read it"
-            if _parsed(_without_tabs(text), file)[0] is not None:
-                message = "tabs and spaces are mixed; a tab is read as eight columns"
-            return Source(
-                path,
-                changed,
-                tree,
-                (*diagnostics, rules.ASSUMED.at(wrong.span, message)),
-            )
+            _, of_python_2 = _parsed(_without_tabs(text), file)
+            diagnostics.append(_assumption(text, of_python_2 or wrong, of_python_2))
+            _place(tree, changed, text)
+            return Source(path, text, tree, tuple(diagnostics))
     if wrong is not None:
         if wrong.message.startswith(_NOT_PYTHON_3) and _refactor() is not None:
             message = wrong.message.replace(_NOT_PYTHON_3, _NOT_PYTHON)
             wrong = replace(wrong, message=message, hint=None)
         return Source(path, text, None, (*diagnostics, wrong))
+    if tree is not None and not text.isascii():
+        _place(tree, text, text)
     return Source(path, text, tree, tuple(diagnostics))
+
+
+def _assumption(
+    text: str, wrong: Diagnostic, of_python_2: Diagnostic | None
+) -> Diagnostic:
+    """Return the warning about a text that is converted; `of_python_2` is in it without tabs."""
+    assert wrong.span is not None
+    line = text.split("\n")[wrong.span.line - 1]
+    if of_python_2 is None:
+        message = "tabs and spaces are mixed; a tab is read as eight columns"
+        start, end = 1, len(_INDENT.sub("", line))
+        end = max(2, len(line) - end + 1)
+    else:
+        message = "this is Python 2; its syntax is converted to read it"
+        start = _column(line, _without_tabs(line), wrong.span.column - 1) + 1
+        end = start + 1
+    span = replace(wrong.span, column=start, end_column=end)
+    return rules.ASSUMED.at(span, message)
+
+
+def _place(tree: ast.Module, parsed: str, text: str) -> None:
+    """Change places in the parsed text, with columns in octets, to those in the file's text."""
+    lines, read = text.split("\n"), parsed.split("\n")
+    numbers = _line_numbers(read, lines)
+
+    def placed(number: int, octets: int) -> tuple[int, int]:
+        of_parsed = read[number - 1]
+        column = len(of_parsed.encode()[:octets].decode(errors="ignore"))
+        own = numbers[number - 1]
+        return own + 1, _column(lines[own], of_parsed, column)
+
+    for node in ast.walk(tree):
+        if isinstance(node, ast.stmt | ast.expr):
+            end_line, end = node.end_lineno, node.end_col_offset
+            assert end_line is not None
+            assert end is not None
+            node.lineno, node.col_offset = placed(node.lineno, node.col_offset)
+            node.end_lineno, node.end_col_offset = placed(end_line, end)
+
+
+def _line_numbers(read: list[str], lines: list[str]) -> list[int]:
+    """Return for each line that was parsed the index of the file's line that it comes from.
+
+    Parameters of Python 2 that are tuples become lines of their own.
+    """
+    last = len(lines) - 1
+    if len(read) - len(lines) in (0, 1):
+        return [min(number, last) for number in range(len(read))]
+    numbers: list[int] = []
+    matcher = SequenceMatcher(None, [*map(str.strip, lines)], [*map(str.strip, read)])
+    for _, first, end, start, stop in matcher.get_opcodes():
+        numbers += [
+            min(first + number, max(first, end - 1), last)
+            for number in range(stop - start)
+        ]
+    return numbers
+
+
+def _column(line: str, parsed: str, column: int) -> int:
+    """Return the place in a line of what its parsed form, of other indentation, has at `column`."""
+    if line == parsed:
+        return column
+    inner = column - (len(parsed) - len(parsed.lstrip(" \t\f")))
+    indent = len(line) - len(line.lstrip(" \t\f"))
+    return min(indent + max(inner, 0), len(line))
 
 
 def _decoded(data: bytes) -> tuple[str, str | None]:

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from threading import Lock, Timer
 from typing import TYPE_CHECKING
 
+from rtgen.compiler.kit.translation import listed, translated_word
+
 if TYPE_CHECKING:
     from rich.live import Live
     from rich.spinner import Spinner
@@ -65,7 +67,7 @@ class StageProgress:
         """Return the current stages, outermost first, and the current file."""
         stages = list(self._open)
         files = [stage.file for stage in stages if stage.file]
-        text = ", ".join(stage.name for stage in stages)
+        text = listed(translated_word(stage.name) for stage in stages)
         text = "  ".join((text, *files[-1:]))
         return "".join(c if c.isprintable() else "?" for c in text)
 

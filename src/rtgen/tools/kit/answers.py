@@ -22,6 +22,7 @@ from rtgen.compiler.kit.own_files import (
     user_folder,
 )
 from rtgen.facts import looks
+from rtgen.tools.kit.terminals import width_of
 
 COMMANDS = frozenset({"check", "explain", "lint"})
 """The commands whose answers are stored."""
@@ -56,7 +57,10 @@ def circumstances(arguments: Sequence[str]) -> list[str]:
         "",
         os.getcwd(),
         *(f"{name}={os.environ.get(name)}" for name in (*VARIABLES, *own)),
-        *(f"{each.isatty()} {each.encoding} {each.errors}" for each in streams),
+        *(
+            f"{each.isatty()} {width_of(each)} {each.encoding} {each.errors}"
+            for each in streams
+        ),
         sys.version,
         sys.executable,
         *sys.path,

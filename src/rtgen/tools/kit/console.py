@@ -18,9 +18,15 @@ from rtgen.compiler.kit.translation import (
     translated_lines,
     translated_word,
 )
+from rtgen.facts.substitutes import registered
+from rtgen.tools.kit.terminals import width_of
 
 _OUTPUT: ContextVar[list[str | bytes] | None] = ContextVar("output", default=None)
 _DOCUMENTS = ("json", "sarif")
+_INDENT = "  "
+"""Before the further lines of a message that is wider than the terminal."""
+_GAP = "  "
+"""Between the columns of a table."""
 _MAX_DEVIATIONS = 3
 """Deviations of a description of a device that are printed one by one."""
 
@@ -80,7 +86,7 @@ class Console(msgspec.Struct, frozen=True):
 
     def say(self, text: str) -> None:
         """Print lines for people in their language, unless quiet or in a machine-readable form."""
-        self.repeat(translated_lines(text))
+        self.repeat(_fitted(translated_lines(text), sys.stderr))
 
     def repeat(self, text: str) -> None:
         """Print lines as `say`, but as they are, since a component or a user has written them."""
@@ -174,7 +180,23 @@ def for_output(text: str) -> str:
 
 def write_text(text: str) -> None:
     """Write text for people to standard output, each line in their language."""
-    write_out(translated_lines(text))
+    write_out(_fitted(translated_lines(text), sys.stdout))
+
+
+def _fitted(text: str, stream: TextIO) -> str:
+    """Return lines of text that are not wider than a terminal; the rows of tables stay."""
+    width = width_of(stream)
+    if width is None or width <= len(_INDENT):
+        return text
+    from rtgen.facts.columns import columns, wrapped
+
+    lines = []
+    for line in text.split("\n"):
+        if columns(line) <= width or line[:1].isspace() or _GAP in line:
+            lines.append(line)
+        else:
+            lines.append(f"\n{_INDENT}".join(wrapped(line, width - len(_INDENT))))
+    return "\n".join(lines)
 
 
 def write_out(text: str | bytes) -> None:
@@ -200,7 +222,7 @@ def write_out(text: str | bytes) -> None:
 def _encoded(text: str) -> bytes:
     chosen = os.environ.get("PYTHONIOENCODING", "").partition(":")[0]
     if (chosen or sys.stdout.isatty()) and not is_unicode(sys.stdout):
-        return text.encode(sys.stdout.encoding, "replace")
+        return text.encode(sys.stdout.encoding, registered())
     return text.encode("utf-8", "backslashreplace")
 
 

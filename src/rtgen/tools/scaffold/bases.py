@@ -34,7 +34,14 @@ from rtgen.facts.files import read_start, write_atomically
 from rtgen.tools.scaffold import writing
 from rtgen.tools.scaffold.names import Names, project_names
 from rtgen.tools.scaffold.rules import NO_DRIVE
-from rtgen.tools.scaffold.starters import File, base_values, files_of, new_place
+from rtgen.tools.scaffold.starters import (
+    README,
+    File,
+    base_values,
+    files_of,
+    new_place,
+    readme,
+)
 
 _NO_SPAN: Final = Span("", 1, 1, 1, 1)
 SIDES: Final = ("left", "right")
@@ -114,7 +121,7 @@ def _first_files(
     files += files_of(
         "base",
         {
-            root / "README.md": "README.md",
+            root / README: readme(),
             place.definitions / f"{name.module}_bus.toml": "bus.toml",
             place.skeletons / "kinematics.py": "kinematics.py",
         },

@@ -30,11 +30,13 @@ from rtgen.tools.scaffold import writing
 from rtgen.tools.scaffold.board_drives import BoardDrive, drive_of
 from rtgen.tools.scaffold.names import Names, project_names
 from rtgen.tools.scaffold.starters import (
+    README,
     VENDOR,
     File,
     base_values,
     files_of,
     new_place,
+    readme,
 )
 
 _NO_SPAN: Final = Span("", 1, 1, 1, 1)
@@ -88,7 +90,7 @@ def create(
             files_of(
                 "base",
                 {
-                    folder / "README.md": "README.md",
+                    folder / README: readme(),
                     place.definitions / f"{forms.module}_base.idl": "base.idl",
                     place.definitions / f"{simulated}.idl": "board.idl",
                     place.skeletons / "kinematics.py": "kinematics.py",

@@ -25,8 +25,7 @@ VENDOR = "example"
 FIRST = "Scaler"
 """The component of a new project."""
 
-_README = {ENGLISH: "README.md", "ja": "README.ja.md"}
-"""The template of a new project's README in each language."""
+README = "README.md"
 
 _USED_BY_TESTS = ("LifeCycleState", "SimulatedClock", "System", "TimedDouble")
 """Classes that the test of a new component imports beside the component."""
@@ -75,6 +74,11 @@ class Place:
         """Return the file of that module."""
         module = self.behaviour_module(name).rpartition(".")[2]
         return self.skeletons / f"{module}.py"
+
+
+def readme() -> str:
+    """Return the template of a README in the language of texts."""
+    return README if language() == ENGLISH else f"README.{language()}.md"
 
 
 def require_project(project: Project) -> None:
@@ -190,7 +194,7 @@ def project(name: Names, package: str, root: Path) -> list[File]:
         "project",
         {
             root / "pyproject.toml": "pyproject.toml",
-            root / "README.md": _README[language()],
+            root / README: readme(),
             root / ".gitignore": "gitignore.txt",
             root / ".gitattributes": "gitattributes.txt",
         },
@@ -252,7 +256,7 @@ def reference(root: Path) -> list[File]:
         "reference",
         {
             root / FILE_NAME: "rtgen.toml",
-            root / "README.md": "README.md",
+            root / README: readme(),
             root / "tests" / "test_rh3.py": "test.py",
         },
         **values,
@@ -270,7 +274,7 @@ def backend(name: Names, root: Path) -> list[File]:
         "backend",
         {
             root / "pyproject.toml": "pyproject.toml",
-            root / "README.md": "README.md",
+            root / README: readme(),
             package / "__init__.py": "package.py",
             package / "backend.py": "backend.py",
             root / "tests" / "test_backend.py": "test.py",
