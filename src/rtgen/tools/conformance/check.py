@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Collection, Iterator
 from dataclasses import dataclass
 from enum import Enum
-from typing import ClassVar, Generic, Protocol, TypeAlias, TypeVar
+from typing import ClassVar, Final, Generic, Protocol, TypeAlias, TypeVar
 
 from rtgen.tools.conformance.report import Outcome, Verdict
 
@@ -40,6 +40,9 @@ class Permission(Enum):
     ACTUATE = "it may move something: --actuate"
     DEFAULTS = "values may have been set on purpose: --defaults"
     EXIT = "it ends the component: --exit"
+
+
+ACTUATE: Final = Permission.ACTUATE
 
 
 @dataclass(frozen=True, slots=True)
@@ -82,3 +85,10 @@ class Check(Generic[S]):
         return Outcome(
             self.name, self.title, self.clause, verdict, tried, tuple(problems)
         )
+
+
+def check(
+    name: str, title: str, clause: str, needs: Permission | None = None
+) -> Callable[[Callable[[S], Problems]], Check[S]]:
+    """Return a decorator that makes a check of the function that yields its problems."""
+    return lambda run: Check(name, title, clause, run, needs)

@@ -22,7 +22,7 @@ from rtgen.tools.conformance.board.arguments import (
     scalars,
 )
 from rtgen.tools.conformance.board.board import MAX_ID, BoardUnderTest
-from rtgen.tools.conformance.check import Check, Permission, Problems, SkipError
+from rtgen.tools.conformance.check import ACTUATE, Problems, SkipError, check
 from rtgen.tools.rpc.codecs import Function
 from rtgen.tools.rpc.values import Json
 
@@ -51,12 +51,13 @@ def _refused(board: BoardUnderTest, octets: bytes, what: str) -> str | None:
     return None if answer.closed and not answer.data else f"{what}: {answer}"
 
 
+@check("connections", "connections are served, one after another", _WIRE)
 def connections(board: BoardUnderTest) -> Problems:
-    """Check that connections are served, one after the other."""
     for number in range(1, _CONNECTIONS + 1):
         yield _refused(board, board.unknown_request, f"connection {number}")
 
 
+@check("digest", "the board was made from this signature", "docs/opaque-rpc.md")
 def digest(board: BoardUnderTest) -> Problems:
     """Check that the board has the digest of this signature."""
     channel, codec = board.channel(), board.service.codec
@@ -72,6 +73,7 @@ def digest(board: BoardUnderTest) -> Problems:
     yield None if same else f"the digest is {reported}, that of the CDL {codec.digest}"
 
 
+@check("request.start", "a request with a wrong start is refused", _WIRE)
 def wrong_starts(board: BoardUnderTest) -> Problems:
     """Check that a request with an invalid start is rejected."""
     tdr = board.service.codec.tdr
@@ -85,6 +87,7 @@ def wrong_starts(board: BoardUnderTest) -> Problems:
         yield _refused(board, wrong + identifier, f"start {wrong.hex(' ')}")
 
 
+@check("function.unknown", "unknown functions are refused", _WIRE)
 def unknown_functions(board: BoardUnderTest) -> Problems:
     """Check that a function outside of the signature is rejected."""
     codec = board.service.codec
@@ -96,6 +99,11 @@ def unknown_functions(board: BoardUnderTest) -> Problems:
         yield _refused(board, request, f"function {number}")
 
 
+@check(
+    "request.cut",
+    "a client that disconnects within a request does not block others",
+    _WIRE,
+)
 def cut_requests(board: BoardUnderTest) -> Problems:
     """Check that other clients are served after one disconnects within a request."""
     for function in board.functions.values():
@@ -108,6 +116,9 @@ def cut_requests(board: BoardUnderTest) -> Problems:
             )
 
 
+@check(
+    "request.stalled", "a client that stalls within a request is disconnected", _WIRE
+)
 def stalled_requests(board: BoardUnderTest) -> Problems:
     """Check that a client that falls silent within a request is disconnected in time."""
     if board.stall is None:
@@ -121,6 +132,7 @@ def stalled_requests(board: BoardUnderTest) -> Problems:
         yield None if served else f"{what}: another client is not served in time"
 
 
+@check("call.reply", "each function answers as declared", _WIRE, ACTUATE)
 def answers(board: BoardUnderTest) -> Problems:
     """Check that each function replies in its form, without further octets."""
     for function in board.functions.values():
@@ -139,8 +151,10 @@ def _surplus(board: BoardUnderTest, function: Function, request: Json) -> str | 
     return None if not reply.closed else f"{function.name}: the connection is closed"
 
 
+@check(
+    "call.limits", "numbers are accepted at both limits of their types", _WIRE, ACTUATE
+)
 def limits(board: BoardUnderTest) -> Problems:
-    """Check that numbers are accepted at both limits of their types."""
     for function in board.functions.values():
         for name, scalar in scalars(function):
             for end in ends(scalar, board.service.codec.tdr):
@@ -169,6 +183,7 @@ def _with_arrays(board: BoardUnderTest) -> Iterator[tuple[Function, int]]:
             yield function, most
 
 
+@check("call.arrays", "arrays are accepted empty and full", _WIRE, ACTUATE)
 def arrays(board: BoardUnderTest) -> Problems:
     """Check that arrays are accepted with no element, with one, and with the maximum number."""
     for function, most in _with_arrays(board):
@@ -180,6 +195,12 @@ def arrays(board: BoardUnderTest) -> Problems:
             yield board.problem(function, values, f"arrays of length {length}")
 
 
+@check(
+    "call.long-arrays",
+    "arrays beyond their bound, and negative lengths, are refused",
+    _WIRE,
+    ACTUATE,
+)
 def long_arrays(board: BoardUnderTest) -> Problems:
     """Check that arrays beyond the bound of the signature, and negative lengths, are rejected."""
     for function, most in _with_arrays(board):
@@ -212,6 +233,7 @@ def _with_length(function: Function, tdr: Tdr, most: int, length: int) -> bytes 
     return None if missing else bytes(request)
 
 
+@check("call.texts", "texts are accepted empty and full", _WIRE, ACTUATE)
 def texts(board: BoardUnderTest) -> Problems:
     """Check that texts are accepted if empty, and if as long as their buffers."""
     for function in board.functions.values():
@@ -227,6 +249,7 @@ def texts(board: BoardUnderTest) -> Problems:
             )
 
 
+@check("call.long-texts", "texts beyond their buffer are refused", _WIRE, ACTUATE)
 def long_texts(board: BoardUnderTest) -> Problems:
     """Check that a text of one unit more than its buffer is rejected."""
     length = board.service.codec.tdr.struct(_LENGTH)
@@ -254,6 +277,12 @@ def _text_size(function: Function, item: Item) -> int | None:
     return size if size <= MAX_LENGTH else None
 
 
+@check(
+    "request.recovery",
+    "calls are answered after requests that were refused",
+    _WIRE,
+    ACTUATE,
+)
 def recovery(board: BoardUnderTest) -> Problems:
     """Check that a valid call is answered after each kind of request that is rejected."""
     function = _simplest(board)
@@ -273,6 +302,7 @@ def recovery(board: BoardUnderTest) -> Problems:
         yield board.problem(function, values, f"after {what}")
 
 
+@check("call.null", "nullable parameters accept NULL", _WIRE, ACTUATE)
 def nulls(board: BoardUnderTest) -> Problems:
     """Check that nullable parameters are accepted as NULL."""
     for function in board.functions.values():
@@ -281,6 +311,7 @@ def nulls(board: BoardUnderTest) -> Problems:
             yield board.problem(function, values, "NULL")
 
 
+@check("request.end", "a request with a wrong end is refused", _WIRE, ACTUATE)
 def wrong_ends(board: BoardUnderTest) -> Problems:
     """Check that a request with an invalid end is rejected."""
     codec = board.service.codec
@@ -292,6 +323,7 @@ def wrong_ends(board: BoardUnderTest) -> Problems:
             yield _refused(board, request[: -len(end)] + end, what)
 
 
+@check("request.segments", "requests are accepted in pieces", _WIRE, ACTUATE)
 def segments(board: BoardUnderTest) -> Problems:
     """Check that a request in pieces is accepted, and two requests in one piece."""
     function = _simplest(board)
@@ -307,6 +339,7 @@ def segments(board: BoardUnderTest) -> Problems:
     yield None if both else f"{function.name}, two requests in one piece: {answer}"
 
 
+@check("call.order", "requests in one piece are answered in order", _WIRE, ACTUATE)
 def order(board: BoardUnderTest) -> Problems:
     """Check that requests of several functions in one piece are answered in their order.
 
@@ -349,6 +382,7 @@ def _wrong_reply(
     return None
 
 
+@check("call.oneway", "oneway calls have no answer", _WIRE, ACTUATE)
 def oneway(board: BoardUnderTest) -> Problems:
     """Check that a oneway call has no reply, and the next call has its own."""
     for function in board.functions.values():
@@ -378,6 +412,7 @@ def _answered_after(
     return None
 
 
+@check("call.repeated", "calls are answered one after another", _WIRE, ACTUATE)
 def repeated(board: BoardUnderTest) -> Problems:
     """Check that calls over one connection are answered in order, each in time."""
     function = _simplest(board)
@@ -391,101 +426,24 @@ def repeated(board: BoardUnderTest) -> Problems:
         channel.close()
 
 
-ACTUATE: Final = Permission.ACTUATE
-
 CHECKS: Final = (
-    Check(
-        "connections", "connections are served, one after another", _WIRE, connections
-    ),
-    Check(
-        "digest", "the board was made from this signature", "docs/opaque-rpc.md", digest
-    ),
-    Check(
-        "request.start",
-        "a request with a wrong start is refused",
-        _WIRE,
-        wrong_starts,
-    ),
-    Check(
-        "function.unknown", "unknown functions are refused", _WIRE, unknown_functions
-    ),
-    Check(
-        "request.cut",
-        "a client that disconnects within a request does not block others",
-        _WIRE,
-        cut_requests,
-    ),
-    Check(
-        "request.stalled",
-        "a client that stalls within a request is disconnected",
-        _WIRE,
-        stalled_requests,
-    ),
-    Check(
-        "request.end",
-        "a request with a wrong end is refused",
-        _WIRE,
-        wrong_ends,
-        ACTUATE,
-    ),
-    Check(
-        "request.recovery",
-        "calls are answered after requests that were refused",
-        _WIRE,
-        recovery,
-        ACTUATE,
-    ),
-    Check(
-        "request.segments",
-        "requests are accepted in pieces",
-        _WIRE,
-        segments,
-        ACTUATE,
-    ),
-    Check(
-        "call.order",
-        "requests in one piece are answered in order",
-        _WIRE,
-        order,
-        ACTUATE,
-    ),
-    Check("call.reply", "each function answers as declared", _WIRE, answers, ACTUATE),
-    Check(
-        "call.limits",
-        "numbers are accepted at both limits of their types",
-        _WIRE,
-        limits,
-        ACTUATE,
-    ),
-    Check("call.arrays", "arrays are accepted empty and full", _WIRE, arrays, ACTUATE),
-    Check(
-        "call.long-arrays",
-        "arrays beyond their bound, and negative lengths, are refused",
-        _WIRE,
-        long_arrays,
-        ACTUATE,
-    ),
-    Check("call.texts", "texts are accepted empty and full", _WIRE, texts, ACTUATE),
-    Check(
-        "call.long-texts",
-        "texts beyond their buffer are refused",
-        _WIRE,
-        long_texts,
-        ACTUATE,
-    ),
-    Check(
-        "call.null",
-        "nullable parameters accept NULL",
-        _WIRE,
-        nulls,
-        ACTUATE,
-    ),
-    Check("call.oneway", "oneway calls have no answer", _WIRE, oneway, ACTUATE),
-    Check(
-        "call.repeated",
-        "calls are answered one after another",
-        _WIRE,
-        repeated,
-        ACTUATE,
-    ),
+    connections,
+    digest,
+    wrong_starts,
+    unknown_functions,
+    cut_requests,
+    stalled_requests,
+    wrong_ends,
+    recovery,
+    segments,
+    order,
+    answers,
+    limits,
+    arrays,
+    long_arrays,
+    texts,
+    long_texts,
+    nulls,
+    oneway,
+    repeated,
 )

@@ -35,8 +35,16 @@ from rtgen.tools.conformance.canopen.sdo_checks import (
     segments,
     writable_heartbeat,
 )
-from rtgen.tools.conformance.check import Check, Permission, Problems, SkipError
+from rtgen.tools.conformance.check import (
+    ACTUATE,
+    Permission,
+    Problems,
+    SkipError,
+    check,
+)
 
+_SDO: Final = "CiA 301, 7.2.4.3"
+_EDS: Final = "CiA 306, 4.6"
 _HISTORY: Final = (0x1003, 0)
 _SETTINGS: Final = (*range(0x1005, 0x1008), *range(0x1012, 0x101A), 0x1028, 0x1029)
 """Objects of the communication profile that accept their present values."""
@@ -55,6 +63,7 @@ def _objects(node: NodeUnderTest) -> Iterator[DescribedObject]:
     yield from sorted(node.described.objects.values(), key=lambda o: o.number)
 
 
+@check("sdo.read", "every readable object is read", _SDO)
 def readable(node: NodeUnderTest) -> Problems:
     """Check that every object described as readable can be read."""
     silent = 0
@@ -74,8 +83,8 @@ def readable(node: NodeUnderTest) -> Problems:
                 yield None
 
 
+@check("object.type", "values have the length of their types", _EDS)
 def types(node: NodeUnderTest) -> Problems:
-    """Check that values have the length of their types."""
     for number, octets in node.values.items():
         thing = node.described.objects[number]
         expected = size(thing.kind)
@@ -87,6 +96,7 @@ def types(node: NodeUnderTest) -> Problems:
         )
 
 
+@check("object.limits", "values are within their limits", _EDS)
 def limits(node: NodeUnderTest) -> Problems:
     """Check that values are within LowLimit and HighLimit."""
     for number, octets in node.values.items():
@@ -105,6 +115,7 @@ def limits(node: NodeUnderTest) -> Problems:
         yield None if fits else f"{thing} is {value}, outside {low} to {high}"
 
 
+@check("object.constants", "constants and identity as described", _EDS)
 def constants(node: NodeUnderTest) -> Problems:
     """Check that constants, the device type and the identity match the description."""
     identity = {(0x1018, sub) for sub in (1, 2, 3, 4)}
@@ -117,6 +128,12 @@ def constants(node: NodeUnderTest) -> Problems:
             yield from _compared(node, thing, octets, "described is")
 
 
+@check(
+    "object.defaults",
+    "values are the defaults of the description",
+    _EDS,
+    Permission.DEFAULTS,
+)
 def defaults(node: NodeUnderTest) -> Problems:
     """Check that writable objects have the described defaults; PDOs have their own check."""
     pdos = node.described.device.pdos
@@ -142,21 +159,22 @@ def _compared(
     yield None if fits else f"{thing} is {octets.hex()}, {words} {choices}"
 
 
+@check("sdo.read-only", "read-only objects refuse writes", _SDO)
 def read_only(node: NodeUnderTest) -> Problems:
-    """Check that writes to read-only objects are rejected."""
     for thing in _objects(node):
         octets = node.values.get(thing.number)
         if not thing.access.writable and octets:
             yield refusal(thing, node.write_code(thing.number, octets), *_READ_ONLY)
 
 
+@check("sdo.write-only", "write-only objects refuse reads", _SDO)
 def write_only(node: NodeUnderTest) -> Problems:
-    """Check that reads of write-only objects are rejected."""
     for thing in _objects(node):
         if not thing.access.readable:
             yield refusal(thing, node.read_code(thing.number), *_WRITE_ONLY)
 
 
+@check("sdo.unknown", "unknown objects and sub-indices are refused", _SDO)
 def unknown_objects(node: NodeUnderTest) -> Problems:
     """Check that accesses to undescribed objects and sub-indices are rejected."""
     indices = {index for index, _ in node.described.objects}
@@ -173,14 +191,15 @@ def unknown_objects(node: NodeUnderTest) -> Problems:
             yield refusal(f"{index:04X}h:{unused:X}", code, sdo.NO_SUBINDEX)
 
 
+@check("sdo.length", "values of a wrong length are refused", _SDO)
 def lengths(node: NodeUnderTest) -> Problems:
-    """Check that values of a wrong length are rejected."""
     writable_heartbeat(node)
     for octets in (bytes(1), bytes(3), bytes(4)):
         code = node.write_code(HEARTBEAT, octets)
         yield refusal(f"1017h with {len(octets)} octets", code, *_LENGTH)
 
 
+@check("sdo.command", "unknown commands are refused", _SDO)
 def commands(node: NodeUnderTest) -> Problems:
     """Check that unknown commands, and segments without a transfer, are rejected."""
     for first in (0xE0, 0x00, 0x60):
@@ -189,6 +208,7 @@ def commands(node: NodeUnderTest) -> Problems:
         yield refusal(f"command {first:02X}h", code, sdo.COMMAND_UNKNOWN)
 
 
+@check("sdo.toggle", "a wrong toggle bit is refused", _SDO)
 def toggling(node: NodeUnderTest) -> Problems:
     """Check that a segment with a wrong toggle bit ends the transfer."""
     long_name(node)
@@ -200,6 +220,7 @@ def toggling(node: NodeUnderTest) -> Problems:
         node.abandon(NAME)
 
 
+@check("sdo.abort", "an aborted transfer leaves the server ready", _SDO)
 def aborted(node: NodeUnderTest) -> Problems:
     """Check that after an aborted transfer the server is ready, with an unchanged value."""
     long_name(node)
@@ -214,6 +235,7 @@ def aborted(node: NodeUnderTest) -> Problems:
     yield None if same else "1008h differs after an aborted transfer"
 
 
+@check("sdo.block", "block transfer gives the same values", "CiA 301, 7.2.4.3.9")
 def blocks(node: NodeUnderTest) -> Problems:
     """Check that block upload reads the same as segmented upload, or is rejected as unknown."""
     for number, octets in node.values.items():
@@ -229,6 +251,7 @@ def blocks(node: NodeUnderTest) -> Problems:
         yield None if same else f"{thing}: a block upload gives another value"
 
 
+@check("emcy.history", "the error history", "CiA 301, 7.5.2.4")
 def errors(node: NodeUnderTest) -> Problems:
     """Check that the error history counts its errors, and only accepts 0."""
     if not node.has(*_HISTORY):
@@ -242,6 +265,7 @@ def errors(node: NodeUnderTest) -> Problems:
         yield refusal("1003h:0 set to 1", code, sdo.VALUE_INVALID, *_TOO_HIGH)
 
 
+@check("sdo.range", "limits are accepted, values beyond them refused", _SDO, ACTUATE)
 def range_of_writes(node: NodeUnderTest) -> Problems:
     """Check that limits are accepted, values beyond them rejected, and the value unchanged."""
     for thing in _objects(node):
@@ -280,6 +304,7 @@ def _unchanged(
     return f"{thing}: a refused value was stored"
 
 
+@check("sdo.lengths", "objects refuse values of a wrong length", _SDO, ACTUATE)
 def wrong_lengths_of_writes(node: NodeUnderTest) -> Problems:
     """Check that objects of the application reject values that are too long or too short."""
     for thing in _objects(node):
@@ -295,6 +320,7 @@ def wrong_lengths_of_writes(node: NodeUnderTest) -> Problems:
         yield _unchanged(node, thing, before)
 
 
+@check("sdo.same-value", "objects accept their current values", _SDO, ACTUATE)
 def same_value(node: NodeUnderTest) -> Problems:
     """Check that objects of the application, and settings, accept their current values."""
     for thing in _objects(node):
@@ -310,235 +336,53 @@ def same_value(node: NodeUnderTest) -> Problems:
             )
 
 
-_SDO = "CiA 301, 7.2.4.3"
-_EDS = "CiA 306, 4.6"
-
-ACTUATE: Final = Permission.ACTUATE
-
 CHECKS: Final = (
-    Check("sdo.read", "every readable object is read", _SDO, readable),
-    Check("object.type", "values have the length of their types", _EDS, types),
-    Check("object.limits", "values are within their limits", _EDS, limits),
-    Check("object.constants", "constants and identity as described", _EDS, constants),
-    Check(
-        "object.defaults",
-        "values are the defaults of the description",
-        _EDS,
-        defaults,
-        Permission.DEFAULTS,
-    ),
-    Check(
-        "pdo.parameters",
-        "PDO parameters as described",
-        "CiA 301, 7.5.2.35 to 38",
-        parameters,
-    ),
-    Check("sdo.read-only", "read-only objects refuse writes", _SDO, read_only),
-    Check("sdo.write-only", "write-only objects refuse reads", _SDO, write_only),
-    Check(
-        "sdo.unknown",
-        "unknown objects and sub-indices are refused",
-        _SDO,
-        unknown_objects,
-    ),
-    Check("sdo.length", "values of a wrong length are refused", _SDO, lengths),
-    Check("sdo.command", "unknown commands are refused", _SDO, commands),
-    Check("sdo.toggle", "a wrong toggle bit is refused", _SDO, toggling),
-    Check("sdo.abort", "an aborted transfer leaves the server ready", _SDO, aborted),
-    Check(
-        "sdo.block",
-        "block transfer gives the same values",
-        "CiA 301, 7.2.4.3.9",
-        blocks,
-    ),
-    Check("sdo.segments", "downloads by segments", "CiA 301, 7.2.4.3.3", segments),
-    Check(
-        "sdo.block-download",
-        "downloads by blocks, with their check sum",
-        "CiA 301, 7.2.4.3.9",
-        block_download,
-    ),
-    Check(
-        "sdo.block-sizes",
-        "uploads by blocks of a wrong size are refused",
-        "CiA 301, 7.2.4.3.13",
-        block_sizes,
-    ),
-    Check(
-        "sdo.block-repeats",
-        "lost segments of blocks are repeated",
-        "CiA 301, 7.2.4.3.11",
-        block_repeats,
-    ),
-    Check("emcy.history", "the error history", "CiA 301, 7.5.2.4", errors),
-    Check(
-        "heartbeat",
-        "the heartbeat keeps its period",
-        "CiA 301, 7.2.8.3.2.2",
-        nmt_checks.heartbeat,
-    ),
-    Check("guarding", "node guarding", "CiA 301, 7.2.8.3.2.1", nmt_checks.guarding),
-    Check(
-        "nmt.boot-up",
-        "boot-up after reset communication",
-        "CiA 301, 7.3.2.2",
-        nmt_checks.boot_up,
-    ),
-    Check(
-        "nmt.parameters",
-        "reset communication reverts parameters",
-        "CiA 301, 7.3.2.2.1",
-        network_checks.parameters_reverted,
-    ),
-    Check(
-        "nmt.stopped",
-        "a stopped node serves no SDO",
-        "CiA 301, 7.3.2.2.4",
-        nmt_checks.stopped,
-    ),
-    Check(
-        "nmt.states",
-        "NMT commands lead to their states",
-        "CiA 301, 7.3.2",
-        nmt_checks.states,
-        ACTUATE,
-    ),
-    Check(
-        "sdo.range",
-        "limits are accepted, values beyond them refused",
-        _SDO,
-        range_of_writes,
-        ACTUATE,
-    ),
-    Check(
-        "sdo.lengths",
-        "objects refuse values of a wrong length",
-        _SDO,
-        wrong_lengths_of_writes,
-        ACTUATE,
-    ),
-    Check(
-        "sdo.same-value",
-        "objects accept their current values",
-        _SDO,
-        same_value,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.synchronous",
-        "synchronous TPDOs follow SYNC",
-        "CiA 301, 7.5.2.37",
-        synchronous,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.reception",
-        "objects get the values of an RPDO",
-        "CiA 301, 7.2.2.2",
-        reception,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.length",
-        "RPDOs that are too short are reported, longer ones truncated",
-        "CiA 301, 7.2.2.4",
-        wrong_lengths,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.states",
-        "no PDOs in PRE-OPERATIONAL",
-        "CiA 301, 7.3.2.2.5",
-        pre_operational,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.content",
-        "TPDOs have the values of their objects",
-        "CiA 301, 7.5.2.38",
-        pdo_changes.content,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.identifiers",
-        "identifiers of valid PDOs cannot be changed",
-        "CiA 301, 7.5.2.37",
-        pdo_changes.identifiers,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.mapping",
-        "mappings are set, and invalid ones are refused",
-        "CiA 301, 7.5.2.36",
-        pdo_changes.mapping,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.transmission",
-        "each transmission type of TPDOs",
-        "CiA 301, 7.5.2.37",
-        pdo_changes.transmission,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.times",
-        "event timers and inhibit times",
-        "CiA 301, 7.5.2.37",
-        pdo_changes.times,
-        ACTUATE,
-    ),
-    Check(
-        "pdo.synchronous-reception",
-        "synchronous RPDOs take effect at a SYNC",
-        "CiA 301, 7.5.2.35",
-        pdo_changes.synchronous_reception,
-        ACTUATE,
-    ),
-    Check(
-        "emcy.entry",
-        "errors are entered in the history",
-        "CiA 301, 7.5.2.4",
-        network_checks.entries,
-        ACTUATE,
-    ),
-    Check(
-        "emcy.reset",
-        "the end of an error is reported",
-        "CiA 301, 7.2.7.2",
-        network_checks.error_reset,
-        ACTUATE,
-    ),
-    Check(
-        "heartbeat.consumer",
-        "a lost heartbeat is reported",
-        "CiA 301, 7.2.8.3.2.2",
-        network_checks.consumer,
-        ACTUATE,
-    ),
-    Check(
-        "guarding.life",
-        "a lost guard is reported",
-        "CiA 301, 7.2.8.3.2.1",
-        network_checks.life_guarding,
-        ACTUATE,
-    ),
-    Check(
-        "nmt.reset",
-        "boot-up after reset node",
-        "CiA 301, 7.3.2.2",
-        network_checks.reset,
-        ACTUATE,
-    ),
-    Check(
-        "lss.address", "selected only by its LSS address", "CiA 305, 3.7", lss_address
-    ),
-    Check("lss.identify", "identifies itself in a range", "CiA 305, 3.7", lss_identify),
-    Check("lss.identity", "reports its identity", "CiA 305, 3.11", lss_identity),
-    Check(
-        "lss.refusals",
-        "node-ids and bit rates are accepted and refused",
-        "CiA 305, 3.9",
-        lss_refusals,
-    ),
+    readable,
+    types,
+    limits,
+    constants,
+    defaults,
+    parameters,
+    read_only,
+    write_only,
+    unknown_objects,
+    lengths,
+    commands,
+    toggling,
+    aborted,
+    blocks,
+    segments,
+    block_download,
+    block_sizes,
+    block_repeats,
+    errors,
+    nmt_checks.heartbeat,
+    nmt_checks.guarding,
+    nmt_checks.boot_up,
+    network_checks.parameters_reverted,
+    nmt_checks.stopped,
+    nmt_checks.states,
+    range_of_writes,
+    wrong_lengths_of_writes,
+    same_value,
+    synchronous,
+    reception,
+    wrong_lengths,
+    pre_operational,
+    pdo_changes.content,
+    pdo_changes.identifiers,
+    pdo_changes.mapping,
+    pdo_changes.transmission,
+    pdo_changes.times,
+    pdo_changes.synchronous_reception,
+    network_checks.entries,
+    network_checks.error_reset,
+    network_checks.consumer,
+    network_checks.life_guarding,
+    network_checks.reset,
+    lss_address,
+    lss_identify,
+    lss_identity,
+    lss_refusals,
 )
 """All checks, in the order of a test: the first one reads values that others compare with."""

@@ -10,7 +10,7 @@ from rtgen.runtime.canopen.wire import lss, lss_master
 from rtgen.runtime.canopen.wire.frames import LSS_REQUEST, LSS_RESPONSE, Frame
 from rtgen.runtime.canopen.wire.lss import LssCommand
 from rtgen.tools.conformance.canopen.node import NodeUnderTest
-from rtgen.tools.conformance.check import Problems, SkipError
+from rtgen.tools.conformance.check import Problems, SkipError, check
 
 _IDENTITY: Final = 0x1018
 _SELECTION: Final = (
@@ -85,6 +85,7 @@ def _problem(what: str, answer: bytes, expected: bytes) -> str | None:
     return None if answer.startswith(expected) else f"{what}: {octets}"
 
 
+@check("lss.address", "selected only by its LSS address", "CiA 305, 3.7")
 def lss_address(node: NodeUnderTest) -> Problems:
     """Check that LSS selects the node by its identity only, and reports its node-id."""
     address = _address(node)
@@ -110,6 +111,7 @@ def lss_address(node: NodeUnderTest) -> Problems:
         _release(node)
 
 
+@check("lss.identify", "identifies itself in a range", "CiA 305, 3.7")
 def lss_identify(node: NodeUnderTest) -> Problems:
     """Check that the node identifies itself for ranges with its address, and no others."""
     address = _address(node)
@@ -126,6 +128,7 @@ def lss_identify(node: NodeUnderTest) -> Problems:
         yield None if fits else f"serial numbers {serials[0]} to {serials[1]}: {octets}"
 
 
+@check("lss.identity", "reports its identity", "CiA 305, 3.11")
 def lss_identity(node: NodeUnderTest) -> Problems:
     """Check that LSS reports the same parts of the identity as 1018h."""
     with _selected(node) as address:
@@ -135,6 +138,9 @@ def lss_identity(node: NodeUnderTest) -> Problems:
             yield _problem(command.name.lower().replace("_", " "), answer, expected)
 
 
+@check(
+    "lss.refusals", "node-ids and bit rates are accepted and refused", "CiA 305, 3.9"
+)
 def lss_refusals(node: NodeUnderTest) -> Problems:
     """Check that its node-id is accepted, and invalid node-ids and bit rates are rejected."""
     with _selected(node):

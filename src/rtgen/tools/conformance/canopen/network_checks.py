@@ -21,7 +21,7 @@ from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 from rtgen.tools.conformance.canopen.node import NodeUnderTest
 from rtgen.tools.conformance.canopen.pdo_checks import receptions
 from rtgen.tools.conformance.canopen.sdo_checks import HEARTBEAT, writable_heartbeat
-from rtgen.tools.conformance.check import Problems, SkipError
+from rtgen.tools.conformance.check import ACTUATE, Problems, SkipError, check
 
 _CONSUMER: Final = (0x1016, 1)
 _GUARD_TIME: Final = (0x100C, 0)
@@ -33,6 +33,7 @@ _PERIOD: Final = 100
 """Heartbeat and guard time of the checks, in ms."""
 
 
+@check("nmt.reset", "boot-up after reset node", "CiA 301, 7.3.2.2", ACTUATE)
 def reset(node: NodeUnderTest) -> Problems:
     """Check that reset node leads to the boot-up message, and to a node that answers."""
     problem = node.restart(NmtCommand.RESET_NODE)
@@ -42,6 +43,7 @@ def reset(node: NodeUnderTest) -> Problems:
     yield None if node.read_code((0x1000, 0)) is None else "1000h is refused after it"
 
 
+@check("nmt.parameters", "reset communication reverts parameters", "CiA 301, 7.3.2.2.1")
 def parameters_reverted(node: NodeUnderTest) -> Problems:
     """Check that reset communication reverts 1017h."""
     writable_heartbeat(node)
@@ -82,6 +84,12 @@ def _unwatched(node: NodeUnderTest) -> int:
     return max(set(range(1, MAX_NODE_ID + 1)) - taken)
 
 
+@check(
+    "heartbeat.consumer",
+    "a lost heartbeat is reported",
+    "CiA 301, 7.2.8.3.2.2",
+    ACTUATE,
+)
 def consumer(node: NodeUnderTest) -> Problems:
     """Check that the node reports a lost heartbeat, and none that is in time."""
     thing = node.described.objects.get(_CONSUMER)
@@ -101,6 +109,7 @@ def consumer(node: NodeUnderTest) -> Problems:
         node.restart()
 
 
+@check("guarding.life", "a lost guard is reported", "CiA 301, 7.2.8.3.2.1", ACTUATE)
 def life_guarding(node: NodeUnderTest) -> Problems:
     """Check that a guarded node reports the end of guarding."""
     things = [node.described.objects.get(n) for n in (_GUARD_TIME, _LIFE_FACTOR)]
@@ -132,6 +141,7 @@ def _reported(node: NodeUnderTest) -> bytes:
     return frame.data
 
 
+@check("emcy.reset", "the end of an error is reported", "CiA 301, 7.2.7.2", ACTUATE)
 def error_reset(node: NodeUnderTest) -> Problems:
     """Check that the end of an error is reported by 0000h, and cleared in the register."""
     received = next(receptions(node), None)
@@ -171,6 +181,7 @@ def _second_entry(node: NodeUnderTest, can_id: int, short: bytes) -> str | None:
     return None if codes == [code, PDO_TOO_SHORT] else problem
 
 
+@check("emcy.entry", "errors are entered in the history", "CiA 301, 7.5.2.4", ACTUATE)
 def entries(node: NodeUnderTest) -> Problems:
     """Check that an error is in the history and the register; 0 empties the history."""
     received = next(receptions(node), None)

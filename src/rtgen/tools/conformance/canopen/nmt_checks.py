@@ -8,7 +8,7 @@ from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, MILLISECOND, NMT, F
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState
 from rtgen.tools.conformance.canopen.node import NodeUnderTest, SilenceError
 from rtgen.tools.conformance.canopen.sdo_checks import HEARTBEAT, writable_heartbeat
-from rtgen.tools.conformance.check import Problems, SkipError
+from rtgen.tools.conformance.check import ACTUATE, Problems, SkipError, check
 
 _GUARD_TIME: Final = (0x100C, 0)
 _STARTUP: Final = (0x1F80, 0)
@@ -23,6 +23,7 @@ _NO_COMMAND: Final = 0x7F
 _BEATS: Final = 5
 
 
+@check("nmt.boot-up", "boot-up after reset communication", "CiA 301, 7.3.2.2")
 def boot_up(node: NodeUnderTest) -> Problems:
     """Check that reset communication leads to the boot-up message, and PRE-OPERATIONAL."""
     if node.restart() != NmtState.INITIALISING:
@@ -47,6 +48,7 @@ def boot_up(node: NodeUnderTest) -> Problems:
     yield None if is_there else f"the heartbeat shows {text} after it"
 
 
+@check("heartbeat", "the heartbeat keeps its period", "CiA 301, 7.2.8.3.2.2")
 def heartbeat(node: NodeUnderTest) -> Problems:
     """Check that 1017h starts the heartbeat with its period, and 0 stops it."""
     before = writable_heartbeat(node)
@@ -76,6 +78,7 @@ def heartbeat(node: NodeUnderTest) -> Problems:
         node.download(HEARTBEAT, before)
 
 
+@check("guarding", "node guarding", "CiA 301, 7.2.8.3.2.1")
 def guarding(node: NodeUnderTest) -> Problems:
     """Check that remote frames are answered with the state and an alternating bit."""
     if not node.has(*_GUARD_TIME):
@@ -101,6 +104,7 @@ def guarding(node: NodeUnderTest) -> Problems:
             node.download(HEARTBEAT, before)
 
 
+@check("nmt.stopped", "a stopped node serves no SDO", "CiA 301, 7.3.2.2.4")
 def stopped(node: NodeUnderTest) -> Problems:
     """Check that SDO is not served while stopped, and is again in PRE-OPERATIONAL."""
     node.command(NmtCommand.STOP)
@@ -114,6 +118,7 @@ def stopped(node: NodeUnderTest) -> Problems:
     yield None if node.read_code((0x1000, 0)) is None else "1000h is refused after it"
 
 
+@check("nmt.states", "NMT commands lead to their states", "CiA 301, 7.3.2", ACTUATE)
 def states(node: NodeUnderTest) -> Problems:
     """Check that each NMT command leads to its state, as shown by the heartbeat."""
     before = writable_heartbeat(node)

@@ -31,7 +31,7 @@ from rtgen.runtime.canopen.wire.pdo_transmission import (
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
 from rtgen.tools.can.decoding.node_index import DescribedObject
 from rtgen.tools.conformance.canopen.node import NodeUnderTest, refusal
-from rtgen.tools.conformance.check import Problems
+from rtgen.tools.conformance.check import ACTUATE, Problems, check
 
 _COB_ID, _TYPE, _INHIBIT, _EVENT_TIMER = 1, 2, 3, 5
 _MAX_ENTRIES: Final = 64
@@ -146,6 +146,12 @@ def _operational(node: NodeUnderTest) -> Iterator[None]:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
 
+@check(
+    "pdo.mapping",
+    "mappings are set, and invalid ones are refused",
+    "CiA 301, 7.5.2.36",
+    ACTUATE,
+)
 def mapping(node: NodeUnderTest) -> Problems:
     """Check that a mapping can be set again; unmappable and too many objects are rejected."""
     for each in _changed(node, _COB_ID):
@@ -204,6 +210,12 @@ def _mapped(node: NodeUnderTest, pdo: Pdo, entries: list[int]) -> int | None:
     return node.write_code(count, bytes((len(entries),)))
 
 
+@check(
+    "pdo.content",
+    "TPDOs have the values of their objects",
+    "CiA 301, 7.5.2.38",
+    ACTUATE,
+)
 def content(node: NodeUnderTest) -> Problems:
     """Check that TPDOs have the values of the mapped objects, with one mapped object, too."""
     for each in _changed(node, _COB_ID, _TYPE):
@@ -263,8 +275,13 @@ def _carried(each: ChangedPdo, mapped: list[DescribedObject]) -> str | None:
     return None if fits else problem
 
 
+@check(
+    "pdo.identifiers",
+    "identifiers of valid PDOs cannot be changed",
+    "CiA 301, 7.5.2.37",
+    ACTUATE,
+)
 def identifiers(node: NodeUnderTest) -> Problems:
-    """Check that the identifier of a valid PDO cannot be changed."""
     for each in _changed(node, _COB_ID):
         number = each.pdo.communication, _COB_ID
         other = (each.cob_id ^ 1).to_bytes(4, "little")
@@ -273,6 +290,9 @@ def identifiers(node: NodeUnderTest) -> Problems:
         yield None if refused else problem
 
 
+@check(
+    "pdo.transmission", "each transmission type of TPDOs", "CiA 301, 7.5.2.37", ACTUATE
+)
 def transmission(node: NodeUnderTest) -> Problems:
     """Check that TPDOs are sent by their transmission type, and reserved types are rejected."""
     for each in _changed(node, _COB_ID, _TYPE):
@@ -341,6 +361,7 @@ def _remote(each: ChangedPdo, kind: int) -> str | None:
     return None if frame is not None else problem
 
 
+@check("pdo.times", "event timers and inhibit times", "CiA 301, 7.5.2.37", ACTUATE)
 def times(node: NodeUnderTest) -> Problems:
     """Check that the event timer of a TPDO is its period, and the inhibit time the minimum."""
     for each in _changed(node, _COB_ID, _TYPE, _EVENT_TIMER):
@@ -381,6 +402,12 @@ def _spaced(each: ChangedPdo, what: str, *, later: int = 0) -> str | None:
     return None if fits else problem
 
 
+@check(
+    "pdo.synchronous-reception",
+    "synchronous RPDOs take effect at a SYNC",
+    "CiA 301, 7.5.2.35",
+    ACTUATE,
+)
 def synchronous_reception(node: NodeUnderTest) -> Problems:
     """Check that the data of a synchronous RPDO are in its objects from the next SYNC on."""
     for each in _changed(node, _COB_ID, _TYPE):

@@ -12,7 +12,7 @@ from rtgen.runtime.canopen.wire.nmt import NmtCommand
 from rtgen.tools.can.decoding.node_index import DescribedObject
 from rtgen.tools.conformance.canopen.node import NodeUnderTest
 from rtgen.tools.conformance.canopen.pdo_changes import present_entries, whole_objects
-from rtgen.tools.conformance.check import Problems
+from rtgen.tools.conformance.check import ACTUATE, Problems, check
 
 _MAX_SYNCHRONOUS: Final = 240
 _EVENT_DRIVEN: Final = 254
@@ -20,6 +20,7 @@ _QUIET: Final = 100 * MILLISECOND
 """Time-out after which a PDO counts as not sent."""
 
 
+@check("pdo.parameters", "PDO parameters as described", "CiA 301, 7.5.2.35 to 38")
 def parameters(node: NodeUnderTest) -> Problems:
     """Check that identifiers, transmission types and mappings match the description."""
     for pdo in node.described.device.pdos:
@@ -40,6 +41,7 @@ def parameters(node: NodeUnderTest) -> Problems:
                     )
 
 
+@check("pdo.synchronous", "synchronous TPDOs follow SYNC", "CiA 301, 7.5.2.37", ACTUATE)
 def synchronous(node: NodeUnderTest) -> Problems:
     """Check that a TPDO of transmission type n is sent every n-th SYNC, with its length."""
     problems = []
@@ -90,6 +92,9 @@ def receptions(
             yield pdo, cob_id.can_id, mapped
 
 
+@check(
+    "pdo.reception", "objects get the values of an RPDO", "CiA 301, 7.2.2.2", ACTUATE
+)
 def reception(node: NodeUnderTest) -> Problems:
     """Check that the data of an RPDO are in its objects afterwards."""
     acting = list(receptions(node))
@@ -109,6 +114,12 @@ def reception(node: NodeUnderTest) -> Problems:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
 
+@check(
+    "pdo.length",
+    "RPDOs that are too short are reported, longer ones truncated",
+    "CiA 301, 7.2.2.4",
+    ACTUATE,
+)
 def wrong_lengths(node: NodeUnderTest) -> Problems:
     """Check that a short RPDO changes nothing, with an emergency, and a long one is truncated."""
     acting = list(receptions(node))
@@ -145,6 +156,7 @@ def wrong_lengths(node: NodeUnderTest) -> Problems:
         node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
 
+@check("pdo.states", "no PDOs in PRE-OPERATIONAL", "CiA 301, 7.3.2.2.5", ACTUATE)
 def pre_operational(node: NodeUnderTest) -> Problems:
     """Check that a node in PRE-OPERATIONAL sends no TPDO, and ignores RPDOs."""
     acting = list(receptions(node))

@@ -11,7 +11,7 @@ from rtgen.runtime.canopen.description import ObjectNumber
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.sdo import SdoAbort, Segments, Target
 from rtgen.tools.conformance.canopen.node import NodeUnderTest, refusal
-from rtgen.tools.conformance.check import Problems, SkipError
+from rtgen.tools.conformance.check import Problems, SkipError, check
 
 HEARTBEAT: Final = (0x1017, 0)
 NAME: Final = (0x1008, 0)
@@ -53,6 +53,7 @@ def _is_kept(node: NodeUnderTest, before: bytes) -> str | None:
     return None if now == before else f"1017h is {now.hex()} then, not {before.hex()}"
 
 
+@check("sdo.segments", "downloads by segments", "CiA 301, 7.2.4.3.3")
 def segments(node: NodeUnderTest) -> Problems:
     """Check that segmented downloads are accepted, unless toggle bit or length is wrong."""
     before = writable_heartbeat(node)
@@ -106,6 +107,11 @@ def _end(check: int, size: int) -> bytes:
     return end + check.to_bytes(2, "little") + bytes(5)
 
 
+@check(
+    "sdo.block-download",
+    "downloads by blocks, with their check sum",
+    "CiA 301, 7.2.4.3.9",
+)
 def block_download(node: NodeUnderTest) -> Problems:
     """Check that a block download is accepted, and rejected with a wrong check sum."""
     before = writable_heartbeat(node)
@@ -131,6 +137,11 @@ def block_download(node: NodeUnderTest) -> Problems:
         yield _is_kept(node, before)
 
 
+@check(
+    "sdo.block-sizes",
+    "uploads by blocks of a wrong size are refused",
+    "CiA 301, 7.2.4.3.13",
+)
 def block_sizes(node: NodeUnderTest) -> Problems:
     """Check that block uploads with 0 or over 127 segments, or a false count, are rejected."""
     target = Target(*long_name(node, sdo.SEGMENT + 1))
@@ -156,6 +167,9 @@ def block_sizes(node: NodeUnderTest) -> Problems:
     yield None if same else "1008h differs after that"
 
 
+@check(
+    "sdo.block-repeats", "lost segments of blocks are repeated", "CiA 301, 7.2.4.3.11"
+)
 def block_repeats(node: NodeUnderTest) -> Problems:
     """Check that segments of a block that were lost, in either direction, are repeated."""
     yield _upload_repeats(node)

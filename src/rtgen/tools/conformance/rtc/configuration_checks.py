@@ -4,16 +4,27 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator
 from itertools import islice
+from typing import Final
 
 from omniORB import CORBA
 from omniORB import any as anys
 
 from rtgen.runtime.corba.rt_objects.wire import SdoError, texts
-from rtgen.tools.conformance.check import Problems, SkipError, unequal
+from rtgen.tools.conformance.check import (
+    ACTUATE,
+    Permission,
+    Problems,
+    SkipError,
+    check,
+    unequal,
+)
 from rtgen.tools.conformance.rtc.component import UNKNOWN, RtcUnderTest
 from rtgen.tools.conformance.rtc.expected import ExpectedParameter
 
+_SETS: Final = "OMG SDO, Configuration"
 
+
+@check("configuration.names", "the parameters are those of the definition", _SETS)
 def parameter_names(rtc: RtcUnderTest) -> Problems:
     """Check that the set `default` has the parameters of the definition."""
     actual, expected = rtc.sets().get("default", {}), rtc.expected.parameters
@@ -24,6 +35,9 @@ def parameter_names(rtc: RtcUnderTest) -> Problems:
             yield f"the definition has no parameter {name}"
 
 
+@check(
+    "configuration.values", "values are of their types and within their limits", _SETS
+)
 def parameter_values(rtc: RtcUnderTest) -> Problems:
     """Check that values of all sets have their types and are within their limits."""
     for set_id, values in rtc.sets().items():
@@ -33,6 +47,12 @@ def parameter_values(rtc: RtcUnderTest) -> Problems:
                 yield None if problem is None else f"set {set_id}: {problem}"
 
 
+@check(
+    "configuration.defaults",
+    "values are the defaults of the definition",
+    _SETS,
+    Permission.DEFAULTS,
+)
 def default_values(rtc: RtcUnderTest) -> Problems:
     """Check that the active set has the default values of the definition."""
     active = rtc.active_set()
@@ -45,6 +65,7 @@ def default_values(rtc: RtcUnderTest) -> Problems:
             yield None if parameter.is_default(values[name]) else problem
 
 
+@check("configuration.active", "the active set is there", _SETS)
 def active_set(rtc: RtcUnderTest) -> Problems:
     """Check that the active set is one of the sets."""
     active = rtc.active_set()
@@ -52,6 +73,7 @@ def active_set(rtc: RtcUnderTest) -> Problems:
     yield None if exists else f"the active set {active!r} is none of the sets"
 
 
+@check("configuration.reads", "operations that read values agree", _SETS)
 def read_values(rtc: RtcUnderTest) -> Problems:
     """Check that all operations that read values return the same ones."""
     sets, active = rtc.sets(), rtc.active_set()
@@ -83,11 +105,13 @@ def _refused(rtc: RtcUnderTest, what: str, operation: str, name: str) -> str | N
     return None if answer is False else f"{what} was not refused"
 
 
+@check("configuration.unknown", "unknown sets are refused", _SETS)
 def unknown_sets(rtc: RtcUnderTest) -> Problems:
     """Check that requests for unknown sets are rejected."""
     yield _refused(rtc, "an unknown set", "get_configuration_set", UNKNOWN)
 
 
+@check("configuration.unknown-parameters", "unknown parameters are refused", _SETS)
 def unknown_parameters(rtc: RtcUnderTest) -> Problems:
     """Check that a request for an unknown parameter is rejected."""
     operation = "get_configuration_parameter_value"
@@ -116,6 +140,7 @@ def _parameters(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedParameter, str
             yield name, parameter, values[name]
 
 
+@check("configuration.set", "parameters accept other values", _SETS, ACTUATE)
 def set_values(rtc: RtcUnderTest) -> Problems:
     """Check that parameters accept other values, and their former ones again."""
     for name, parameter, text in _parameters(rtc):
@@ -138,6 +163,12 @@ def set_values(rtc: RtcUnderTest) -> Problems:
             yield None if problem is None else f"{name} = {value}: {problem}"
 
 
+@check(
+    "configuration.parameters",
+    "single parameters of the active set are set",
+    _SETS,
+    ACTUATE,
+)
 def set_parameters(rtc: RtcUnderTest) -> Problems:
     """Check that single parameters of the active set can be set, and set again."""
     if not rtc.is_of_rtgen:
@@ -154,6 +185,7 @@ def set_parameters(rtc: RtcUnderTest) -> Problems:
             yield None if taken and same else f"{name} = {value}: it is {now}"
 
 
+@check("configuration.added", "a set is added and removed", _SETS, ACTUATE)
 def added_set(rtc: RtcUnderTest) -> Problems:
     """Check that a set can be added, and removed again; other sets are as before."""
     if not rtc.is_of_rtgen:
@@ -202,16 +234,19 @@ def _wrong_values(
             yield _wrong_value(rtc, name, text, before)
 
 
+@check("configuration.limits", "values beyond their limits are refused", _SETS, ACTUATE)
 def values_beyond(rtc: RtcUnderTest) -> Problems:
     """Check that values beyond limits and constraints are rejected, and the former ones kept."""
     return _wrong_values(rtc, ExpectedParameter.beyond)
 
 
+@check("configuration.types", "values of other types are refused", _SETS, ACTUATE)
 def values_of_no_type(rtc: RtcUnderTest) -> Problems:
     """Check that texts that are not values of the type are rejected, and the former values kept."""
     return _wrong_values(rtc, ExpectedParameter.of_no_type)
 
 
+@check("configuration.sets", "each set becomes the active one", _SETS, ACTUATE)
 def activated_sets(rtc: RtcUnderTest) -> Problems:
     """Check that each set can be activated, and an unknown one is rejected."""
     before = rtc.before.active if rtc.before is not None else rtc.active_set()

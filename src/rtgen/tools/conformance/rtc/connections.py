@@ -21,9 +21,10 @@ from rtgen.runtime.corba.rt_objects.wire import (
     values,
 )
 from rtgen.runtime.return_codes import RTC_OK, PortStatus, ReturnCode_t
-from rtgen.tools.conformance.check import Problems, SkipError
+from rtgen.tools.conformance.check import ACTUATE, Problems, SkipError, check
 from rtgen.tools.conformance.rtc.component import CONNECTOR, RtcUnderTest
 from rtgen.tools.conformance.rtc.expected import ExpectedInterface
+from rtgen.tools.conformance.rtc.port_checks import PORTS
 
 _IN_IOR: Final = "dataport.corba_cdr.inport_ior"
 _WISHES: Final = {
@@ -110,6 +111,7 @@ def _profile(
     return ConnectorProfile(name, name, ends, values(stated))
 
 
+@check("connections", "ports are connected and disconnected", PORTS, ACTUATE)
 def connected(rtc: RtcUnderTest) -> Problems:
     """Check that each port can be connected, lists the connector, and can be disconnected."""
     rtc.inactive()
@@ -176,6 +178,7 @@ def _changed(
     return None
 
 
+@check("connections.all", "all connections of a port are ended", PORTS, ACTUATE)
 def all_ended(rtc: RtcUnderTest) -> Problems:
     """Check that `disconnect_all` ends a connection; ports with others are left out."""
     rtc.inactive()
@@ -222,6 +225,12 @@ def _dropped(rtc: RtcUnderTest, port: Any, connector_id: str) -> bool:
     return stood
 
 
+@check(
+    "connections.types",
+    "samples of other types are refused",
+    "docs/openrtm.md",
+    ACTUATE,
+)
 def other_types(rtc: RtcUnderTest) -> Problems:
     """Check that data ports reject samples of another type."""
     if not rtc.is_of_rtgen:
@@ -229,11 +238,23 @@ def other_types(rtc: RtcUnderTest) -> Problems:
     yield from _refused(rtc, _NO_TYPE)
 
 
+@check(
+    "connections.interfaces",
+    "unknown interface types are refused",
+    "docs/openrtm.md",
+    ACTUATE,
+)
 def other_interfaces(rtc: RtcUnderTest) -> Problems:
     """Check that data ports reject an unknown interface type."""
     yield from _refused(rtc, _NO_INTERFACE)
 
 
+@check(
+    "connections.services",
+    "provided interfaces have their types, required ones accept only theirs",
+    PORTS,
+    ACTUATE,
+)
 def services(rtc: RtcUnderTest) -> Problems:
     """Check that provided interfaces have their types, and required ones reject other types.
 

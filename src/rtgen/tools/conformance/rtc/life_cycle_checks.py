@@ -18,9 +18,18 @@ from rtgen.runtime.return_codes import (
     ExecutionKind,
     ReturnCode_t,
 )
-from rtgen.tools.conformance.check import Problems, SkipError, unequal
+from rtgen.tools.conformance.check import (
+    ACTUATE,
+    Permission,
+    Problems,
+    SkipError,
+    check,
+    unequal,
+)
 from rtgen.tools.conformance.rtc.component import RtcUnderTest
 
+_CONTEXTS: Final = "OMG RTC 1.0, 5.2.2.6 (ExecutionContext)"
+_LIFE: Final = "OMG RTC 1.0, 5.2.2.3 (LifeCycleState)"
 _MAX_HANDLES: Final = 999
 """The highest handle of an own context in OpenRTM."""
 _RATE_TOLERANCE: Final = 1e-3
@@ -43,6 +52,7 @@ _IN_ERROR: Final[tuple[_Row, ...]] = (
 )
 
 
+@check("contexts.kind", "it owns a context of the declared kind", _CONTEXTS)
 def context_kinds(rtc: RtcUnderTest) -> Problems:
     """Check that the component owns a context of the declared kind, and its profile agrees."""
     if not rtc.contexts:
@@ -56,6 +66,7 @@ def context_kinds(rtc: RtcUnderTest) -> Problems:
             yield None if rate > 0 else f"the rate is {rate} Hz"
 
 
+@check("contexts.profile", "contexts report kind, rate and owner", _CONTEXTS)
 def context_profiles(rtc: RtcUnderTest) -> Problems:
     """Check that the profile of a context has its kind, its rate and its owner."""
     for context in rtc.contexts:
@@ -80,6 +91,12 @@ def context_profiles(rtc: RtcUnderTest) -> Problems:
         yield None if listed else "a context of another component does not list it"
 
 
+@check(
+    "contexts.defaults",
+    "the rate is that of the definition",
+    _CONTEXTS,
+    Permission.DEFAULTS,
+)
 def default_rate(rtc: RtcUnderTest) -> Problems:
     """Check that the first context has the rate of the definition, if it is periodic."""
     context = rtc.context
@@ -90,6 +107,7 @@ def default_rate(rtc: RtcUnderTest) -> Problems:
     yield None if same else f"the rate is {rate} Hz, not {rtc.expected.rate} Hz"
 
 
+@check("contexts.handles", "contexts have handles", _CONTEXTS)
 def context_handles(rtc: RtcUnderTest) -> Problems:
     """Check that a context has a handle, by which the component finds it."""
     handles: set[int] = set()
@@ -107,8 +125,8 @@ def context_handles(rtc: RtcUnderTest) -> Problems:
     yield f"get_context({unknown}) returned a context" if actual is not None else None
 
 
+@check("contexts.state", "it has a state in each context", _LIFE)
 def states(rtc: RtcUnderTest) -> Problems:
-    """Check that the component has a state in each of its contexts."""
     for context in (*rtc.contexts, *rtc.call("get_participating_contexts")):
         state = rtc.ask(context, "get_component_state", rtc.reference)
         yield "its state is CREATED" if state is CREATED_STATE else None
@@ -140,6 +158,7 @@ def _change(rtc: RtcUnderTest, operation: str, state: Any) -> str | None:
     return None
 
 
+@check("life-cycle.activation", "it becomes ACTIVE, and INACTIVE again", _LIFE, ACTUATE)
 def activation(rtc: RtcUnderTest) -> Problems:
     """Check that activation leads to ACTIVE, deactivation to INACTIVE."""
     if rtc.is_running() and rtc.state() is ACTIVE_STATE:
@@ -152,14 +171,24 @@ def activation(rtc: RtcUnderTest) -> Problems:
     yield _change(rtc, "deactivate_component", INACTIVE_STATE)
 
 
+@check(
+    "life-cycle.inactive",
+    "while INACTIVE it is neither deactivated nor reset",
+    _LIFE,
+    ACTUATE,
+)
 def refused_inactive(rtc: RtcUnderTest) -> Problems:
-    """Check that an INACTIVE component is neither deactivated nor reset."""
     rtc.inactive()
     yield from _rows(rtc, _FIRST)
 
 
+@check(
+    "life-cycle.active",
+    "while ACTIVE it is neither activated nor reset",
+    _LIFE,
+    ACTUATE,
+)
 def refused_active(rtc: RtcUnderTest) -> Problems:
-    """Check that an ACTIVE component is neither activated again nor reset."""
     rtc.inactive()
     rtc.request("activate_component", ACTIVE_STATE)
     if rtc.state() is not ACTIVE_STATE:
@@ -168,13 +197,24 @@ def refused_active(rtc: RtcUnderTest) -> Problems:
     rtc.inactive()
 
 
+@check(
+    "life-cycle.error",
+    "in ERROR it is neither activated nor deactivated",
+    _LIFE,
+    ACTUATE,
+)
 def refused_in_error(rtc: RtcUnderTest) -> Problems:
-    """Check that a component in ERROR is neither activated nor deactivated."""
     if rtc.state() is not ERROR_STATE:
         raise SkipError("it is not in ERROR, and no request leads there")
     yield from _rows(rtc, _IN_ERROR)
 
 
+@check(
+    "life-cycle.initialization",
+    "it is neither initialized again nor finalized",
+    _LIFE,
+    Permission.EXIT,
+)
 def initialization(rtc: RtcUnderTest) -> Problems:
     """Check that the component is not initialized again, nor finalized while in a context."""
     if not rtc.is_of_rtgen:
@@ -189,6 +229,12 @@ class _Stranger:
     """A component without operations that participates in no context."""
 
 
+@check(
+    "contexts.strangers",
+    "requests for other components are refused",
+    _CONTEXTS,
+    ACTUATE,
+)
 def strangers(rtc: RtcUnderTest) -> Problems:
     """Check that a context rejects requests for a component that does not participate in it."""
     stranger = rtc.exported.serve(DATA_FLOW_COMPONENT, _Stranger())
@@ -203,6 +249,7 @@ def strangers(rtc: RtcUnderTest) -> Problems:
         rtc.exported.withdraw(stranger)
 
 
+@check("contexts.running", "its context starts and stops", _CONTEXTS, ACTUATE)
 def running(rtc: RtcUnderTest) -> Problems:
     """Check that a context stops and starts, each only once."""
     context = rtc.inactive()
@@ -217,6 +264,7 @@ def running(rtc: RtcUnderTest) -> Problems:
         yield unequal("is_running", bool(rtc.ask(context, "is_running")), runs)
 
 
+@check("contexts.rate", "its context accepts only rates above 0", _CONTEXTS, ACTUATE)
 def rates(rtc: RtcUnderTest) -> Problems:
     """Check that a periodic context accepts another rate, and rejects one that is not above 0."""
     context = rtc.inactive()

@@ -3,14 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
+from typing import Any, Final
 
 from rtgen.facts.openrtm_ports import known_name
 from rtgen.runtime.corba.rt_objects.wire import PortInterfacePolarity, texts
 from rtgen.runtime.return_codes import BAD_PARAMETER
-from rtgen.tools.conformance.check import Problems, unequal
+from rtgen.tools.conformance.check import Problems, check, unequal
 from rtgen.tools.conformance.rtc.component import UNKNOWN, RtcUnderTest
 from rtgen.tools.conformance.rtc.expected import ExpectedPort
+
+PORTS: Final = "OMG RTC 1.0, PortService, PortProfile"
 
 
 def _profiles(rtc: RtcUnderTest) -> dict[str, Any]:
@@ -26,8 +28,8 @@ def _common(rtc: RtcUnderTest) -> Iterator[tuple[str, ExpectedPort, Any]]:
             yield name, expected, ports[name]
 
 
+@check("ports.names", "the ports are those of the definition", PORTS)
 def port_names(rtc: RtcUnderTest) -> Problems:
-    """Check that the ports are those of the definition."""
     ports, expected_ports = _profiles(rtc), rtc.expected.ports
     for name in expected_ports:
         yield None if name in ports else f"there is no port {name}"
@@ -39,6 +41,7 @@ def port_names(rtc: RtcUnderTest) -> Problems:
         yield None if names.count(name) == 1 else f"port {name} is there twice"
 
 
+@check("ports.directions", "ports have their directions", PORTS)
 def directions(rtc: RtcUnderTest) -> Problems:
     """Check that ports are inputs, outputs and service ports as declared."""
     for name, expected, port in _common(rtc):
@@ -46,6 +49,7 @@ def directions(rtc: RtcUnderTest) -> Problems:
         yield unequal(f"{name}: port.port_type", type_, expected.port_type)
 
 
+@check("ports.types", "data ports have their types", PORTS)
 def data_types(rtc: RtcUnderTest) -> Problems:
     """Check that data ports have the declared types."""
     for name, expected, port in _common(rtc):
@@ -60,6 +64,7 @@ def data_types(rtc: RtcUnderTest) -> Problems:
             )
 
 
+@check("ports.interfaces", "service ports have their interfaces", PORTS)
 def interfaces(rtc: RtcUnderTest) -> Problems:
     """Check that service ports have the declared interfaces: name, type and polarity."""
     for name, expected, port in _common(rtc):
@@ -87,6 +92,7 @@ def interfaces(rtc: RtcUnderTest) -> Problems:
         yield None if once else f"{name}: an interface is there twice"
 
 
+@check("ports.references", "each port is listed with its profile", PORTS)
 def port_references(rtc: RtcUnderTest) -> Problems:
     """Check that `get_ports` returns the ports of the profile, with equal profiles."""
     references = rtc.call("get_ports")
@@ -100,6 +106,7 @@ def port_references(rtc: RtcUnderTest) -> Problems:
         yield None if owned else f"{name}: the owner is another one"
 
 
+@check("ports.unknown", "an unknown connector is not disconnected", PORTS)
 def unknown_connectors(rtc: RtcUnderTest) -> Problems:
     """Check that ports refuse to end an unknown connection."""
     for name, port in _profiles(rtc).items():
