@@ -83,7 +83,7 @@ def test_user_data() -> None:
     both = ros_names.user_data(hash_, clientid="1.2")
     assert both == f"clientid=1.2;typehash={hash_};".encode()
     assert ros_names.parse_user_data(both)["clientid"] == "1.2"
-    assert ros_names.participant_data() == b"enclave=/;"
+    assert ros_names.PARTICIPANT_DATA == b"enclave=/;"
 
 
 @pytest.mark.parametrize(

@@ -25,7 +25,7 @@ from rtgen.facts.ros_qos_words import (
     MAX_DEPTH,
     POLICIES,
     TIMES,
-    contradiction,
+    has_idle_depth,
     of_text,
     problems,
     profile_of,
@@ -153,11 +153,9 @@ def test_a_policy_replaces_that_of_the_profile(name: str) -> None:
 
 def test_what_has_no_effect() -> None:
     every = {"history": History.KEEP_ALL}
-    assert contradiction(every) is None
-    assert contradiction({**every, "depth": 5}) == "depth"
-    assert contradiction({"history": History.KEEP_LAST, "depth": 5}) is None
-    assert contradiction({"lifespan": 5}) is None
-    assert contradiction({"lifespan": 5}, writes=False) == "lifespan"
+    assert not has_idle_depth(every)
+    assert has_idle_depth({**every, "depth": 5})
+    assert not has_idle_depth({"history": History.KEEP_LAST, "depth": 5})
 
 
 OWN = {

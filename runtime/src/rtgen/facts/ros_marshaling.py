@@ -11,7 +11,6 @@ from collections.abc import Mapping
 from functools import cache
 from typing import Final, NamedTuple
 
-PREFIX: Final = "ros2:"
 DEFAULT_TOPIC: Final = "chatter"
 """OpenRTM's default topic, for connectors without `dataport.ros2.topic`."""
 

@@ -104,9 +104,8 @@ def user_data(type_hash: str, **more: str) -> bytes:
     )
 
 
-def participant_data(enclave: str = "/") -> bytes:
-    """Return USER_DATA of a participant: `enclave=/;`."""
-    return f"enclave={enclave};".encode()
+PARTICIPANT_DATA: Final = b"enclave=/;"
+"""USER_DATA of a participant."""
 
 
 def parse_user_data(data: bytes) -> dict[str, str]:

@@ -99,23 +99,13 @@ def profile_of(values: Mapping[str, Any]) -> Profile:
     return base._replace(**{k: v for k, v in values.items() if k != "qos"})
 
 
-def contradiction(values: Mapping[str, Any], *, writes: bool = True) -> str | None:
-    """Return the word that has no effect beside the others of an end; None without one.
-
-    `writes`: whether it is a publisher, or may be one.
-    """
-    if values.get("history") is History.KEEP_ALL and "depth" in values:
-        return "depth"
-    if not writes and "lifespan" in values:
-        return "lifespan"
-    return None
+def has_idle_depth(values: Mapping[str, Any]) -> bool:
+    """Return whether the depth of an end has no effect beside its history."""
+    return values.get("history") is History.KEEP_ALL and "depth" in values
 
 
-WHY: Final = {
-    "depth": ("history = keep_all keeps every message", "remove one of them"),
-    "lifespan": ("a subscription has none", "set it at the publisher, or remove it"),
-}
-"""Why a word that `contradiction` returns has no effect, and what to do."""
+WHY_IDLE: Final = ("history = keep_all keeps every message", "remove one of them")
+"""Why such a depth has no effect, and what to do."""
 
 
 class Statement(NamedTuple):
@@ -312,11 +302,10 @@ def problems(properties: Mapping[str, str]) -> Iterator[tuple[str, str, str]]:
                 )
                 yield each.key, f"{message} {properties[first.key]!r}", "state one of them"
         values = _of_end(found, writes=writes)
-        word_ = contradiction(values)
-        if word_ is not None and (word_, "") not in seen:
-            seen.add((word_, ""))
-            why, hint = WHY[word_]
-            key = by_policy[word_].key
+        if has_idle_depth(values) and ("depth", "") not in seen:
+            seen.add(("depth", ""))
+            why, hint = WHY_IDLE
+            key = by_policy["depth"].key
             yield key, f"`{key}` has no effect: {why}", hint
     if not found or seen:
         return

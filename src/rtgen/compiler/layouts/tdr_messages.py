@@ -106,7 +106,7 @@ def _function(nodes: _Nodes, function: TecsFunction) -> FunctionLayout:
     for item in items:
         _check_names(item, {i.name for i in items}, function)
     inward = _in_order(arguments, items)
-    _check_order(inward, (), (), function)
+    _check_order(inward, (), ())
     asked = [Field(Role.FLAG, i) for i in items if i.asked]
     reserved = [Reserve(i) for i in items if _is_reserved(i, arguments)]
     request = _steps(
@@ -117,7 +117,7 @@ def _function(nodes: _Nodes, function: TecsFunction) -> FunctionLayout:
     if function.oneway:
         return FunctionLayout(function, items, returned, request, None, None, (), False)
     outward = _in_order(outs, items)
-    _check_order(outward, [i for i in arguments if not i.outward], arguments, function)
+    _check_order(outward, [i for i in arguments if not i.outward], arguments)
     values = [step for item in outward for step in _reply_value(item)]
     result = _value(returned, flag=False)
     begin, end = [Field(Role.SOP)], [Field(Role.EOP)]
@@ -188,7 +188,6 @@ def _check_order(
     items: Sequence[Item],
     before: Sequence[Item],
     known_items: Sequence[Item],
-    function: TecsFunction,
 ) -> None:
     """Check that each size is known before the value that depends on it.
 

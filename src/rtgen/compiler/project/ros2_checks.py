@@ -82,10 +82,9 @@ def _qos(port: str, table: dict[str, Any]) -> Problem | None:
             )
             hint = near(text, known) if is_text else None
             return Problem(message, port, hint, text if is_text else None)
-    idle = ros_qos_words.contradiction(values)
-    if idle is not None:
-        why, what = ros_qos_words.WHY[idle]
-        return Problem(f"gives {port!r} a {idle} without effect: {why}", port, what)
+    if ros_qos_words.has_idle_depth(values):
+        why, what = ros_qos_words.WHY_IDLE
+        return Problem(f"gives {port!r} a depth without effect: {why}", port, what)
     return None
 
 

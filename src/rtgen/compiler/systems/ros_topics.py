@@ -9,7 +9,7 @@ from rtgen.compiler.diagnostics import Diagnostic, Span
 from rtgen.compiler.model import PortKind
 from rtgen.compiler.model.system_links import DATA_KINDS, Known
 from rtgen.compiler.systems.rules import TOPIC_QOS
-from rtgen.facts import ros_qos, ros_qos_words
+from rtgen.facts import ros_qos
 
 
 class TopicEntry(Protocol):
@@ -40,8 +40,8 @@ def findings(
     readers = [entry for entry in topics if _kind(entry, ends) is PortKind.INPORT]
     for reader in readers:
         if reader.has_lifespan:
-            why, hint = ros_qos_words.WHY["lifespan"]
-            message = f"the lifespan of {_name(reader)} has no effect: {why}"
+            message = f"the lifespan of {_name(reader)} has no effect: a subscription has none"
+            hint = "set it at the publisher, or remove it"
             yield TOPIC_QOS.at(reader.span, message, hint=hint)
     by_topic: dict[str, list[TopicEntry]] = {}
     for writer in writers:

@@ -113,7 +113,7 @@ def _judged(
     modules = behaviours.modules(project, run.artifacts)
 
     def made() -> Compilation:
-        return _made(project, run, definitions, of_behaviours(project, run, runs))
+        return _made(project, definitions, of_behaviours(project, run, runs))
 
     if runs is None:
         return made()
@@ -125,10 +125,7 @@ def _judged(
 
 
 def _made(
-    project: Project,
-    run: Compilation,
-    definitions: Definitions,
-    known: Compilation,
+    project: Project, definitions: Definitions, known: Compilation
 ) -> Compilation:
     from rtgen.compiler import linting
     from rtgen.compiler.systems import reading, timeline, timeline_checks

@@ -146,11 +146,6 @@ def structs_in(
                 waiting += (m.type for m in structs[each.tag].members)
 
 
-def c_text(type_: CType) -> str:
-    """Return a type as shown in messages."""
-    return str(type_)
-
-
 def length_text(expression: Expression | None, names: Mapping[str, str]) -> str:
     """Return an expression with the parameter names of the new version."""
     match expression:

@@ -273,7 +273,7 @@ def _valuetypes(
                 text = f"valuetype {other.scoped} boxes {other.type}, did {one.type}"
                 yield change(kinds.VALUETYPE_CHANGED, other.scoped, text, *spans)
         elif isinstance(one, Valuetype) and isinstance(other, Valuetype):
-            yield from _valuetype(one, other, types, dict(names))
+            yield from _valuetype(one, other, types)
     for name, other in new.written.items():
         if isinstance(other, Valuetype | ValueBox) and name not in old.written:
             text = f"valuetype {other.scoped} is added"
@@ -281,7 +281,7 @@ def _valuetypes(
 
 
 def _valuetype(
-    old: Valuetype, new: Valuetype, types: TypeExpressions, names: Names
+    old: Valuetype, new: Valuetype, types: TypeExpressions
 ) -> Iterator[Change]:
     spans = (old.span, new.span)
     before = [(m.name, m.public) for m in old.state]

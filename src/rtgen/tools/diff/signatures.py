@@ -26,7 +26,7 @@ from rtgen.compiler.model.tecs import (
     TecsUnit,
 )
 from rtgen.compiler.model.types import ScopedName
-from rtgen.tools.diff.c_types import Octets, c_text, length_text, named, structs_in
+from rtgen.tools.diff.c_types import Octets, length_text, named, structs_in
 from rtgen.tools.diff.changes import Change, change
 from rtgen.tools.diff.items import (
     Fact,
@@ -215,7 +215,7 @@ def _types(old: Version, new: Version, types: _Types) -> Iterator[Change]:
     typedefs = matching(declared(old, TecsTypedef), declared(new, TecsTypedef))
     for one, other in typedefs.pairs:
         if not types.alike(one.type, other.type):
-            text = f"typedef {other.scoped} is {c_text(other.type)}, was {c_text(one.type)}"
+            text = f"typedef {other.scoped} is {other.type}, was {one.type}"
             yield change(kinds.TYPEDEF, other.scoped, text, one.span, other.span)
     enums = matching(declared(old, TecsEnum), declared(new, TecsEnum))
     for before, after in enums.pairs:
@@ -268,7 +268,7 @@ def _struct(old: TecsStruct, new: TecsStruct, types: _Types) -> Iterator[Change]
             text = f"member {name} was called {one.name}"
             yield change(kinds.STRUCT_MEMBER_RENAMED, name, text, *spans)
         if not types.alike(one.type, member.type):
-            text = f"member {name} has the type {c_text(member.type)}, had {c_text(one.type)}"
+            text = f"member {name} has the type {member.type}, had {one.type}"
             yield change(kinds.STRUCT_MEMBER_TYPE, name, text, *spans)
         if _sizes_text(one.sizes, renamed) != _sizes_text(member.sizes, {}):
             text = f"member {name} has other size specifiers"
@@ -337,7 +337,7 @@ class _Signatures:
         errors = is_error_code(old.returns), is_error_code(new.returns)
         alike = errors[0] == errors[1] and self._types.alike(old.returns, new.returns)
         if not alike or str(old.returns) != str(new.returns):
-            text = f"function {name} returns {c_text(new.returns)}, did {c_text(old.returns)}"
+            text = f"function {name} returns {new.returns}, did {old.returns}"
             kind = kinds.PARAMETER_ALIAS if alike else kinds.FUNCTION_RESULT
             yield change(kind, name, text, *spans)
         renamed = _renamed(old.parameters, new.parameters, self._types)
@@ -365,7 +365,7 @@ class _Signatures:
             yield change(kinds.PARAMETER_RENAMED, name, text, *spans)
         alike = self._types.alike(old.type, new.type)
         if not alike or str(old.type) != str(new.type):
-            text = f"parameter {name} has the type {c_text(new.type)}, had {c_text(old.type)}"
+            text = f"parameter {name} has the type {new.type}, had {old.type}"
             kind = kinds.PARAMETER_ALIAS if alike else kinds.PARAMETER_TYPE
             yield change(kind, name, text, *spans)
         yield from fact_changes(_PARAMETER_FACTS, old, new, name, spans, "parameter")

@@ -167,7 +167,7 @@ def _planned(
         old_types = {**old_types, definition.name: name}
     result.moves = [
         *_moved_skeletons(project, old, new, span),
-        *_moved_settings(project, before, old_types, keys, name, span),
+        *_moved_settings(project, old_types, keys, name, span),
     ]
     return result
 
@@ -352,7 +352,6 @@ def _moved_skeletons(
 
 def _moved_settings(
     project: Project,
-    before: Reading,
     types: Mapping[str, str],
     keys: Sequence[str],
     name: str,

@@ -150,7 +150,7 @@ class BoardDrive(msgspec.Struct, frozen=True):
             yield f"self.speeds = [{', '.join(speeds)}]"
         results = [] if layout.is_void else [zero(layout.returned.node)]
         for item in layout.outs:
-            own = self._with_counts(layout, item)
+            own = self._with_counts(item)
             if own is None:
                 results.append("None" if item.nullable else zero(item.node))
                 continue
@@ -162,9 +162,7 @@ class BoardDrive(msgspec.Struct, frozen=True):
         elif layout.function.id != self.drive.function.id:
             yield "return"
 
-    def _with_counts(
-        self, layout: FunctionLayout, item: Item
-    ) -> tuple[list[str], str] | None:
+    def _with_counts(self, item: Item) -> tuple[list[str], str] | None:
         """Return the statements and the expression of a result with the counts; None without."""
         found = _counted_in(item)
         if found is None:

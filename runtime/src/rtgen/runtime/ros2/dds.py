@@ -97,7 +97,7 @@ class RosDds(DdsEngine):
     """The nodes of one process in a domain; see `Messaging`. Raises MediumError."""
 
     def __init__(self, node: RosNode, interface: str | None = None) -> None:
-        data = Policy.Userdata(ros_names.participant_data())
+        data = Policy.Userdata(ros_names.PARTICIPANT_DATA)
         super().__init__(node.domain, configuration(interface), data)
         self._node = node
         self._announcing = threading.Lock()

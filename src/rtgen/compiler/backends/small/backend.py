@@ -48,7 +48,7 @@ class SmallBackend:
             return Emission()
         names = PythonNames(model, options.package)
         limits = Limits(*options.small)
-        components, findings = _fit(model, names, limits)
+        components, findings = _fit(model, limits)
         if not components:
             return Emission((), findings)
         tree = _Tree(model, names, options, limits, components)
@@ -58,9 +58,7 @@ class SmallBackend:
 BACKEND = SmallBackend()
 
 
-def _fit(
-    model: Model, names: PythonNames, limits: Limits
-) -> tuple[list[Component], list[Diagnostic]]:
+def _fit(model: Model, limits: Limits) -> tuple[list[Component], list[Diagnostic]]:
     """Return the components with a small form, and the reasons why others have none."""
     fitting: list[Component] = []
     findings: list[Diagnostic] = []

@@ -275,7 +275,7 @@ class Descriptions(msgspec.Struct, eq=False):
         for case in declaration.cases:
             attribute = names[case.name]
             parts = [self.of(case.type)]
-            parts += [self.label(declaration, label) for label in case.labels]
+            parts += map(self.label, case.labels)
             parts += ["default=True"] * case.default
             parts += _differing(case, attribute)
             parts += ["external=True"] * case.external
@@ -283,7 +283,7 @@ class Descriptions(msgspec.Struct, eq=False):
             facts.append(f"{attribute}={idl}.case({', '.join(parts)})")
         return f"{idl}.union({', '.join(facts)})"
 
-    def label(self, declaration: Union, value: ConstantValue) -> str:
+    def label(self, value: ConstantValue) -> str:
         """Return the expression for a label."""
         if isinstance(value, EnumeratorName):
             enum, member = self._names.enumerator(value.name)

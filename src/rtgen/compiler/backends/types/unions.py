@@ -40,7 +40,7 @@ class Unions(msgspec.Struct, eq=False):
         self, union: Union, mapping: PythonMapping, representation: int
     ) -> dict[str, object]:
         """Return the variables of the template, except those common to all classes."""
-        labels = [self._labels(union, case) for case in union.cases]
+        labels = [[*map(self._describe.label, c.labels)] for c in union.cases]
         other = self._other(union)
         types = list(dict.fromkeys(mapping.annotation(c.type) for c in union.cases))
         has_default = any(case.default for case in union.cases)
@@ -52,15 +52,10 @@ class Unions(msgspec.Struct, eq=False):
         return {
             "descriptor": self._describe.union(union, representation),
             "switch": mapping.annotation(union.switch),
-            "discriminator": self._describe.label(
-                union, discriminator(self._model, union)
-            ),
+            "discriminator": self._describe.label(discriminator(self._model, union)),
             "value_type": " | ".join(types),
             "branches": self._branches(union, mapping, labels, other),
         }
-
-    def _labels(self, union: Union, case: Case) -> list[str]:
-        return [self._describe.label(union, label) for label in case.labels]
 
     def _branches(
         self,
@@ -103,11 +98,7 @@ class Unions(msgspec.Struct, eq=False):
 
     def _other(self, union: Union) -> str | None:
         """Return the lowest discriminator without a label, or None if all have one."""
-        used = {
-            self._describe.label(union, label)
-            for c in union.cases
-            for label in c.labels
-        }
+        used = {self._describe.label(label) for c in union.cases for label in c.labels}
         return next((text for text in self._all(union) if text not in used), None)
 
     def _all(self, union: Union) -> list[str]:

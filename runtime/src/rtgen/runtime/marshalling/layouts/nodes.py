@@ -53,10 +53,6 @@ class Atom(msgspec.Struct, frozen=True):
     scale: int = 0
 
 
-COUNT = Atom("I", 4, 4)
-"""The count before a sequence or string."""
-
-
 class AtomArray(msgspec.Struct, frozen=True):
     """An array of atoms that `struct` can repeat; dimensions outermost first.
 

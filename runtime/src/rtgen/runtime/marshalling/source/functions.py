@@ -256,7 +256,7 @@ def _evolve(descriptor: Any, refer: References) -> Function:
         return head, _read(descriptor, refer)[1]
     decoder = Decoder(refer)
     decoder.take_length("end")
-    decoder.enclose("end")
+    decoder.enclose()
     decoder.evolving(_group(descriptor, refer), "end")
     return head, [
         *decoder.body.lines,

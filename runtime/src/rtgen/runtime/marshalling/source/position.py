@@ -23,10 +23,10 @@ class Position:
         self.body.add(f'raise ValueError("{message}")')
         self.body.end()
 
-    def enclose(self, end: str) -> None:
-        """Let the data end at the offset in a variable."""
-        self.refuse(f"{end} > len(data)", "a length beyond the end")
-        self.body.add(f"data = memoryview(data)[:{end}]")
+    def enclose(self) -> None:
+        """Let the data end at the offset in the variable `end`."""
+        self.refuse("end > len(data)", "a length beyond the end")
+        self.body.add("data = memoryview(data)[:end]")
 
     def take_length(self, end: str) -> None:
         """Generate the end of a delimited value, from its DHEADER."""

@@ -87,7 +87,7 @@ def decode(
     switch = _switch(descriptor, refer.format)
     body = decoder.body
     if evolving:
-        decoder.enclose("end")
+        decoder.enclose()
     decoder.steps(steps_of(switch, ANYWHERE), _PATH)
     body.add(f"selected = {decoder.value(switch, _PATH)}")
     for head, branch in choices(descriptor, "selected"):

@@ -37,9 +37,7 @@ class CellSpecifiers(msgspec.Struct, eq=False):
     _restricted: list[tuple[tree.ScopedName, Place]] = []
     _of_joins: list[tuple[Cell, tree.Specifier, Place]] = []
 
-    def take(
-        self, cell: Cell, given: list[tree.Specifier], place: Place, prototype: bool
-    ) -> None:
+    def take(self, cell: Cell, given: list[tree.Specifier], place: Place) -> None:
         """Record the specifiers of a cell."""
         for specifier in given:
             match specifier.word:

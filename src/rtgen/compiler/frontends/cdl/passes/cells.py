@@ -86,7 +86,7 @@ class Cells:
         prototype = any(s.word == "prototype" for s in given)
         if node.joins is not None and not prototype:
             self._define(cell, node, place)
-        self._specifiers.take(cell, given, place, prototype)
+        self._specifiers.take(cell, given, place)
         for part in node.joins or ():
             self._part(cell, part, place, prototype)
         if node.joins is None or prototype or not fresh or inside is not None:

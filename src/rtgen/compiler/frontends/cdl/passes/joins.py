@@ -84,7 +84,7 @@ class Joins(msgspec.Struct, eq=False):
                 )
             )
         elif isinstance(member, Variable):
-            self._set(cell, join, member)
+            self._set(join, member)
         elif member.kind == "entry":
             self._report(
                 rules.ENTRY_ON_THE_LEFT.at(
@@ -97,7 +97,7 @@ class Joins(msgspec.Struct, eq=False):
         else:
             self._resolve_call_port(cell, join, member)
 
-    def _set(self, cell: Cell, join: Join, variable: Variable) -> None:
+    def _set(self, join: Join, variable: Variable) -> None:
         if variable.kind == "var":
             self._report(
                 rules.VARIABLE_IN_CELL.at(

@@ -14,9 +14,6 @@ if TYPE_CHECKING:
 Children: TypeAlias = list[Any]
 
 
-NAMED = ("IDENT", "TYPE_NAME")
-
-
 def start_of(node: Any) -> int:
     """Return the start offset of a node or token."""
     start: int = node.start if hasattr(node, "start") else node.start_pos
