@@ -53,9 +53,9 @@ gallery: $(VENV)/test.stamp
 test: $(VENV)/uv.stamp
 	$(MAKE) --no-print-directory -j 4 pytest waits $(if $(WING),,lint types imports drift)
 
-# What takes longer: tests marked `nightly`, the random tests with other inputs, drawn by the seed of the
-# commit (RTGEN_SEED=N sets another), half of the fast tests on a further interpreter (RTGEN_BUDGET=1: all,
-# with the coverage of lines), and what a release consists of.
+# What takes longer: the random tests with other inputs, drawn by the seed of the commit (RTGEN_SEED=N sets
+# another), a third of the tests marked `nightly` and of the fast tests on a further interpreter (RTGEN_BUDGET=1:
+# all, with the coverage of lines), and what a release consists of.
 nightly: export RTGEN_SEED ?= $(shell $(PYTHON) tests/seeds.py)
 nightly: $(VENV)/uv.stamp $(VENV)/release.stamp page
 	$(MAKE) --no-print-directory -j 4 dear codecs interpreters release
@@ -92,7 +92,7 @@ waits: $(VENV)/test.stamp page peers
 	$(if $(WAITING),$(call PYTEST,build/pytest-waits,-m "waits and not nightly" $(WAITING)))
 
 dear: $(VENV)/test.stamp page peers speed
-	$(call PYTEST,build/pytest-nightly,-m "(nightly and not left_out and not (in_turns and postponed)) or random" $(FOLDER))
+	$(call PYTEST,build/pytest-nightly,-m "(nightly and not left_out and not postponed) or random" $(FOLDER))
 
 # The tests of marshalling once more, with the codecs in C.
 codecs: export RTGEN_CODEC = c

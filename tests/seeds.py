@@ -4,8 +4,8 @@
 draws by a seed that depends on the commit, `make fuzz` other inputs each time. `RTGEN_SEED` sets
 a seed, for example that of a failed run, which pytest prints in its header. `RTGEN_BUDGET`
 multiplies the numbers of drawn inputs that tests state, by default 0.2; the workflow takes 5
-each night, `make fuzz` 30. From 1 on, all benchmarks are tried and all tests on a further
-interpreter, instead of a half of them.
+each night, `make fuzz` 30. From 1 on, `make nightly` runs all of its tests, instead of a
+third of them.
 """
 
 from __future__ import annotations
@@ -20,6 +20,8 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SEED = 10_769_057
 """The seed of `make test`."""
+TURNS = 3
+"""A commit takes one of so many parts of the tests of `make nightly`."""
 _SEED_DISTANCE = 10_000_000
 """Distance between the first cases of two seeds."""
 
@@ -56,13 +58,13 @@ def budget(count: int, *, least: int = 1) -> int:
 
 
 def is_for_all() -> bool:
-    """Return whether the budget is for all of what a seed chooses a half of."""
+    """Return whether the budget is for all of what a seed chooses a part of."""
     return _share() >= 1
 
 
 def has_turn(name: str) -> bool:
-    """Return whether a name is in the half that the seed chooses."""
-    return (zlib.crc32(name.encode()) + seed()) % 2 == 0
+    """Return whether a name is in the part that the seed chooses."""
+    return (zlib.crc32(name.encode()) + seed()) % TURNS == 0
 
 
 def _share() -> float:

@@ -89,13 +89,13 @@ def test_an_environment_of_another_python_is_refused(tmp_path: Path) -> None:
 def test_each_test_is_run() -> None:
     """Those that `make test` leaves out are run by `make nightly`, on either interpreter.
 
-    A half of those that take turns is postponed to another seed.
+    Those that are postponed are run with another seed.
     """
     text = (ROOT / "Makefile").read_text(encoding="utf-8")
     selected = re.findall(r'PYTEST,build/pytest\S*,-m "(.+?)"', text)
     assert len(selected) == 3
     of_commit, nightly = selected[:2], [selected[2], SELECTED]
-    names = "nightly", "random", "waits", "left_out", "in_turns", "postponed"
+    names = "nightly", "random", "waits", "left_out", "postponed"
     for values in itertools.product((False, True), repeat=len(names)):
         marked = dict(zip(names, values, strict=True))
         if marked["left_out"] and not marked["nightly"]:
@@ -105,8 +105,7 @@ def test_each_test_is_run() -> None:
         by_commit = [bool(eval(each, {}, marked)) for each in of_commit]
         assert sum(by_commit) == (not marked["nightly"])
         by_night = any(eval(each, {}, marked) for each in nightly)
-        is_postponed = marked["in_turns"] and marked["postponed"]
-        assert any(by_commit) or by_night or is_postponed
+        assert any(by_commit) or by_night or marked["postponed"]
 
 
 @pytest.mark.parametrize("wing", ["", "golden"])
