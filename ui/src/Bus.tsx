@@ -6,6 +6,7 @@ import { useState } from "react";
 import type { Curve } from "./curves.ts";
 import { filterOf } from "./filter.ts";
 import { Button, IconButton } from "./kit/Button.tsx";
+import { Name } from "./kit/Name.tsx";
 import { Refusable } from "./kit/Refusable.tsx";
 import type { Line } from "./lines.ts";
 import { linesOf } from "./lines.ts";
@@ -260,10 +261,12 @@ function Signals({ bus }: { bus: string }) {
                 <th scope="row">
                   <label>
                     <input type="checkbox" checked={chosen.includes(key)} onChange={(e) => choose(e.target.checked ? [...chosen, key].slice(-PLOTTED) : chosen.filter((each) => each !== key))} />
-                    <bdi>{name}</bdi>
+                    <bdi>
+                      <Name text={name} />
+                    </bdi>
                   </label>
                 </th>
-                <td className="octets">{hexOf(numbers.at(-1))}</td>
+                <td className="octets hex">{hexOf(numbers.at(-1))}</td>
                 <td className="text">{text}</td>
               </tr>
             ))}

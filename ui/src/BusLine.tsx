@@ -1,11 +1,12 @@
 /** A CAN bus below the boxes: a line with its nodes and their components. */
 
 import type { Node, NodeProps } from "@xyflow/react";
+import type { CSSProperties } from "react";
 import { useContext } from "react";
 import { Inspecting } from "./Inspector.tsx";
 import type { Line } from "./lines.ts";
 import type { Point } from "./layout.ts";
-import { BESIDE, NODE } from "./layout.ts";
+import { BESIDE, NODE, widest } from "./layout.ts";
 import { t } from "./texts.ts";
 
 /** Start of a component's line, relative to the upper left of the bus. */
@@ -57,7 +58,7 @@ export function BusLine({ data: { line, width, nodes } }: NodeProps<BusNode>) {
           key={node.id}
           type="button"
           className={`bus-node nodrag nopan state ${COLOURS.get(node.nmtState) ?? "STATE_CREATED"}`}
-          style={{ left: nodes[i]!.x - NODE.width / 2, width: NODE.width, height: NODE.height }}
+          style={{ left: nodes[i]!.x - NODE.width / 2, width: NODE.width, height: NODE.height, "--wide": `${NODE.width}px`, "--widest": widest([`${node.id} ${node.name}`]) } as CSSProperties}
           aria-label={t("{id} {name} {state}, node of {bus}", { id: node.id, name: node.name, state: node.nmtState || t("unknown"), bus: line.name })}
           title={[`${node.id} ${node.name}`, node.nmtState, ...node.proxies.map((each) => t("proxy {each}", { each })), ...node.devices.map((each) => t("device {each}", { each }))].filter(Boolean).join("\n")}
           onClick={() => inspect({ kind: "node", bus: line.name, id: node.id })}

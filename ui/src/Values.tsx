@@ -35,7 +35,7 @@ export function Values({ system, component }: { system: SystemState; component: 
         {track?.refused && <p className="reason">{t("The last sample could not be read: {reason}", { reason: track.refused })}</p>}
         {!rows?.times.length && !track?.refused && <p>{t("No sample yet.")}</p>}
         <MemberPlot id={id} label={t("Values over time")} system={system} own={channel} added={plots.get(id) ?? []} />
-        {rows?.thinned && <p className="thinned">{t("Of older samples some are left out of the plot.")}</p>}
+        {rows?.thinned && <p className="thinned">{t("Older parts of the plot show only some of the samples: short peaks may be missing there.")}</p>}
         {rows && rows.times.length > 0 && others.length > 0 && (
           <table aria-label={t("Texts of {name}", { name })}>
             <tbody>

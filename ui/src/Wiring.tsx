@@ -8,7 +8,7 @@ import { memo, useCallback, useContext, useEffect, useLayoutEffect, useMemo, use
 import { BusLine } from "./BusLine.tsx";
 import type { BusNode, Drop } from "./BusLine.tsx";
 import { Button } from "./kit/Button.tsx";
-import { WIDEST, around, arrange, descent, frames, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, width } from "./layout.ts";
+import { WIDEST, around, arrange, descent, frames, height, hung, line, portPlace, rails, shown, size, stored, title, typeOf, view, widest, width } from "./layout.ts";
 import type { Arrangement, Grouping, Point } from "./layout.ts";
 import { linesOf } from "./lines.ts";
 import { Name, partsOf } from "./kit/Name.tsx";
@@ -97,7 +97,7 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
       .map((port) => <PortRow key={port.name} component={component} port={port} fits={fits} joined={joined} />);
   const rates = component.contexts.map((each) => `${each.rate} Hz`).join(", ");
   return (
-    <div className={`box ${stateClass(component)} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: width(component), "--wide": `${width(component)}px`, "--longest": Math.max(...partsOf(title(component)).map((each) => each.length), 1) } as CSSProperties}>
+    <div className={`box ${stateClass(component)} ${component.silent ? "silent" : ""} ${selected ? "selected" : ""}`} style={{ width: width(component), "--wide": `${width(component)}px`, "--widest": widest(partsOf(title(component))) } as CSSProperties}>
       <div className="head" title={[component.instance, component.type, component.doc, component.silent || component.reason].filter(Boolean).join("\n")}>
         <strong>
           <span>

@@ -1,11 +1,11 @@
 /** Panes of views that are split, exchanged, resized and remembered; the first one is the main pane. */
 
-import { ArrowLeftRight, EllipsisVertical } from "lucide-react";
+import { ArrowLeftRight, ChevronDown, EllipsisVertical } from "lucide-react";
 import type { KeyboardEvent, ReactNode, RefObject } from "react";
-import { createContext, useContext, useMemo, useRef, useState } from "react";
-import { Separator, Workspace as Panes, useParentTabsetState, useParentWorkspace } from "react-resizable-panels";
+import { createContext, useContext, useLayoutEffect, useMemo, useRef, useState } from "react";
+import { Separator, Workspace as Panes, useParentTabsetState, useParentWorkspace, useTabListOverflow } from "react-resizable-panels";
 import type { HiddenTabBehavior, Orientation, TabNode, TabRenderProps, TabsetNode, WorkspaceImperativeHandle } from "react-resizable-panels";
-import { IconButton } from "./kit/Button.tsx";
+import { Button, IconButton } from "./kit/Button.tsx";
 import { Menu } from "./Menu.tsx";
 import type { Item, Place } from "./Menu.tsx";
 import { t } from "./texts.ts";
@@ -92,11 +92,24 @@ function Toolbar({ tabset }: { tabset: TabsetNode<View> }) {
   const handle = useParentWorkspace<View>();
   const state = useParentTabsetState();
   const emptiness = useContext(Emptiness);
-  const [menu, show] = useState<Place>();
+  const covered = useTabListOverflow({ includePartiallyVisible: true }) as View[];
+  const [menu, show] = useState<Place & { items: readonly Item[] }>();
+  const chosen = tabset.selectedId ?? tabset.tabs[0]?.id;
+  const button = useRef<HTMLButtonElement>(null);
+  // The button that comes beside the tabs may cover the one that is shown.
+  useLayoutEffect(() => {
+    const header = button.current?.closest("[data-tabset-header]");
+    header?.querySelector("[aria-selected=true]")?.scrollIntoView({ block: "nearest", inline: "nearest" });
+  }, [chosen, covered.length > 0]);
   if (!handle || !state) return null;
-  const view = (tabset.selectedId ?? tabset.tabs[0]?.id) as View | undefined;
+  const view = chosen as View | undefined;
   if (!view) return null;
-  const items = (): Item[] => {
+  const open = (button: Element, label: string, items: readonly Item[]) => {
+    const { left, bottom } = button.getBoundingClientRect();
+    show({ label, x: left, y: bottom, items });
+  };
+  const begins = (each: View, i: number, all: readonly View[]) => i === 0 || isOfComponent(each) !== isOfComponent(all[i - 1]!);
+  const deeds = (): Item[] => {
     const { root } = handle.getModel();
     const all = panes(root);
     const opened = all.flatMap((each) => each.tabs.map(({ data }) => data));
@@ -116,13 +129,25 @@ function Toolbar({ tabset }: { tabset: TabsetNode<View> }) {
         name: t("Show {view} here", { view: titleOf(each) }),
         act: () => void put(each),
         obstacle: emptiness.current(each),
-        begins: i === 0 || isOfComponent(each) !== isOfComponent(all[i - 1]!),
+        begins: begins(each, i, all),
       })),
     ];
   };
   const isMain = panes(handle.getModel().root)[0]?.id === tabset.id;
   return (
     <>
+      {covered.length > 0 && (
+        <Button
+          ref={button}
+          look="plain"
+          aria-haspopup="menu"
+          aria-label={t("More views")}
+          onClick={(e) => open(e.currentTarget, t("More views"), covered.map((each, i) => ({ name: titleOf(each), act: () => handle.selectTab(each), begins: i > 0 && begins(each, i, covered) })))}
+        >
+          {t("More")}
+          <ChevronDown size={16} aria-hidden />
+        </Button>
+      )}
       {!isMain && (
         <IconButton icon={ArrowLeftRight} look="plain" label={t("Exchange {view} with the main pane", { view: titleOf(view) })} onClick={() => handle.setModel({ ...handle.getModel(), root: exchanged(handle.getModel().root, view) })} />
       )}
@@ -130,12 +155,9 @@ function Toolbar({ tabset }: { tabset: TabsetNode<View> }) {
         icon={EllipsisVertical}
         look="plain"
         label={t("Pane of {view}", { view: titleOf(view) })}
-        onClick={(e) => {
-          const box = e.currentTarget.getBoundingClientRect();
-          show({ label: t("Pane of {view}", { view: titleOf(view) }), x: box.left, y: box.bottom });
-        }}
+        onClick={(e) => open(e.currentTarget, t("Pane of {view}", { view: titleOf(view) }), deeds())}
       />
-      {menu && <Menu place={menu} items={items()} close={() => show(undefined)} />}
+      {menu && <Menu place={menu} items={menu.items} close={() => show(undefined)} />}
     </>
   );
 }

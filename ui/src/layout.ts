@@ -26,7 +26,7 @@ const MARGIN = 16;
 const LEFT = 52;
 const BELOW = 72;
 /** Size of a node of a bus [px]. */
-export const NODE = { width: 132, height: 40 };
+export const NODE = { width: NARROWEST, height: 40 };
 /** Gaps between boxes and a bus, two boxes on a bus, two buses. */
 const GAP = 24;
 
@@ -112,7 +112,7 @@ export function rails(lines: readonly Line[], boxes: readonly (Point & { compone
       }
     };
     for (const slot of slots) {
-      stand(slot.above, slot, (each) => at - GAP - size(each).height);
+      stand(slot.above, slot, (each) => at - 2 * GAP - size(each).height);
       stand(slot.below, slot, () => bottom);
     }
     found.push({ at: { x: start.x, y: at }, width: 0, middles: slots.map((each) => each.x + each.wide / 2 - start.x) });
@@ -129,14 +129,22 @@ const ports = (component: Component, kind: Port["kind"]) => component.ports.filt
 const canvas = document.createElement("canvas").getContext("2d")!;
 const lengths = new Map<string, number>();
 
-function length(text: string, font: string): number {
+function drawn(text: string, font: string): number {
   const key = `${font} ${text}`;
   if (!lengths.has(key)) {
     canvas.font = `${font} ${getComputedStyle(document.documentElement).fontFamily}`;
     lengths.set(key, canvas.measureText(text).width);
   }
-  return Math.min(lengths.get(key)! + PADDING, WIDEST);
+  return lengths.get(key)!;
 }
+
+const length = (text: string, font: string): number => Math.min(drawn(text, font) + PADDING, WIDEST);
+
+/** At this size, rounded widths of letters matter little [px]. */
+const PRECISE = 60;
+
+/** The width of bold words of which each stays in one line, as a multiple of the size of their letters. */
+export const widest = (words: readonly string[]): number => Math.max(1, ...words.map((each) => drawn(each, `bold ${PRECISE}px`) / PRECISE));
 
 /** The title of a box: for a component of another process, the name without its place. */
 export const title = ({ place, instance }: Component): string => (instance.startsWith(`${place}/`) ? instance.slice(place.length + 1) : instance);

@@ -152,6 +152,16 @@ def test_factors_and_units_of_the_bus_file(fourx: NodeIndex) -> None:
     }
 
 
+def test_scaled_values_are_rounded_to_what_the_bus_can_tell() -> None:
+    """A step of the bus is 7.48e-6 rad/s; more digits than two below it say nothing."""
+    beego = read_node_index(SPECS / "rh3_beego.toml", [])
+    message = decoded(beego, 0x402, "74590100")
+    assert message.text == "Target_velocity=0.66149973 rad/s"
+    [value] = message.to_json()["values"]
+    assert value["value"] == pytest.approx(0.66149973, abs=1e-8)
+    assert value["raw"] == 0x15974
+
+
 def test_lengths(linked: NodeIndex) -> None:
     short = decoded(linked, 0x201, "0f00")
     assert short.text.endswith("15 (enable operation) (too short: 2 of 3 octets)")

@@ -122,6 +122,21 @@ _FLAWS = """async ([contrast, least, part]) => {
         if (seen(each) && over?.closest(".react-flow__panel, .react-flow__minimap, .peek"))
             flaws.push(`covered: ${about(each)} by ${about(over)}`);
     }
+    // They are whole, one word in one line, as long as their letters could be smaller.
+    for (const each of document.querySelectorAll(`${part} .far :is(.head, .bus-node) strong`)) {
+        const size = parseFloat(getComputedStyle(each).fontSize);
+        const drawn = size * each.getBoundingClientRect().width / each.offsetWidth;
+        if (!seen(each) || drawn < least + 0.1) continue;
+        const words = document.createTreeWalker(each, NodeFilter.SHOW_TEXT);
+        let broken = each.scrollWidth > each.clientWidth + 1;
+        while (words.nextNode()) {
+            const range = document.createRange();
+            range.selectNodeContents(words.currentNode);
+            const lines = new Set([...range.getClientRects()].map(({ top }) => Math.round(top)));
+            broken ||= lines.size > 1 && !/\\s/.test(words.currentNode.data);
+        }
+        if (broken) flaws.push(`broken: ${about(each)}`);
+    }
     // Lines to a bus go through no box.
     const boxes = [...document.querySelectorAll(`${part} .box`)].filter(seen);
     const inside = boxes.map(each => [each, each.getBoundingClientRect()]);

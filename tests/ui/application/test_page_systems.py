@@ -60,7 +60,7 @@ BESIDE = (
     *("Buses", "Boards", "Console", "Timeline"),
 )
 """The views beside the wiring on a desk."""
-JUDGED = ("rh3_board",)
+JUDGED = ("fourx",)
 """The system that is judged each night; pictures are taken of all."""
 OF_ALL = (
     *("Wiring", "Values", "Connections", "Configuration", "Services"),

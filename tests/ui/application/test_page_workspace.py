@@ -105,6 +105,17 @@ def test_what_is_empty_is_not_offered(panes: Any) -> None:
 def test_panes_are_split_exchanged_and_closed(
     panes: Any, press: Callable[[Any], None]
 ) -> None:
+    # Tabs that have no room scroll, and are in a menu.
+    row = panes.locator("[data-tab-list]").last
+    more = panes.get_by_role("button", name="More views")
+    for view in ("Timeline", "Values"):
+        press(more)
+        choose(panes, view, press)
+        until(panes, lambda view=view: shown(panes) == ["Wiring", view])
+        tab = panes.get_by_role("tab", name=view).bounding_box()
+        assert tab["x"] >= row.bounding_box()["x"]
+        assert tab["x"] + tab["width"] <= more.bounding_box()["x"]
+        assert row.bounding_box()["height"] < 1.5 * tab["height"]
     pane(panes, "Values", "Values below the others", press)
     until(panes, lambda: shown(panes) == ["Wiring", "Connections", "Values"])
     pane(panes, "Values", "Show Map here", press)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import json
+import math
 from dataclasses import dataclass
 from datetime import UTC, datetime
 
@@ -41,6 +42,8 @@ class Field:
     def text(self) -> str:
         """The physical value with its unit, for people."""
         thing, value = self.thing, self.physical
+        if thing.factor and isinstance(self.value, int) and isinstance(value, float):
+            value = round(value, _decimals(thing.factor))
         text = _text(thing.kind, value)
         if thing.kind == "u32" and thing.number[0] < 0x2000 and isinstance(value, int):
             text = f"0x{value:X}"
@@ -131,3 +134,8 @@ def iso_time(time: int) -> str:
 def _rounded(value: float) -> float:
     """Round away the binary noise of a factor such as 0.001."""
     return float(f"{value:.15g}")
+
+
+def _decimals(factor: float) -> int:
+    """Return two decimals more than tell values apart that differ by one step of the bus."""
+    return max(0, 2 - math.floor(math.log10(abs(factor))))
