@@ -132,27 +132,25 @@ def _add_attributes(scope: Scope, node: ast.ClassDef) -> None:
                 scope.child(name, "value")
 
 
+def _add_class(scope: Scope, node: ast.ClassDef, package: str) -> None:
+    scope.bases = [name for b in node.bases if (name := dotted(b))]
+    for keyword in node.keywords:
+        match keyword:
+            case ast.keyword(arg="type_name", value=ast.Constant(value=value)):
+                scope.type_name = str(value)
+    _add_body(scope, node.body, package)
+    _add_attributes(scope, node)
+
+
 def _add_body(scope: Scope, body: Iterable[ast.stmt], package: str) -> None:
     for node in body:
         match node:
             case ast.ClassDef():
-                inner = scope.child(node.name, "class")
-                inner.bases = [name for b in node.bases if (name := dotted(b))]
-                for keyword in node.keywords:
-                    if keyword.arg == "type_name" and isinstance(
-                        keyword.value, ast.Constant
-                    ):
-                        inner.type_name = str(keyword.value.value)
-                _add_body(inner, node.body, package)
-                _add_attributes(inner, node)
+                _add_class(scope.child(node.name, "class"), node, package)
             case ast.FunctionDef() | ast.AsyncFunctionDef():
                 inner = scope.child(node.name, "function")
-                arguments = node.args
-                for each in (
-                    *arguments.posonlyargs,
-                    *arguments.args,
-                    *arguments.kwonlyargs,
-                ):
+                given = node.args
+                for each in (*given.posonlyargs, *given.args, *given.kwonlyargs):
                     inner.child(each.arg, "argument")
             case ast.Assign(targets=targets):
                 for target in targets:

@@ -9,7 +9,7 @@ from math import isfinite
 from rtgen.compiler.backends import Part
 from rtgen.compiler.backends.components import rules
 from rtgen.compiler.backends.components.locations import skeleton_location
-from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Span
+from rtgen.compiler.diagnostics import Diagnostic, Related, Span
 from rtgen.compiler.kit.xml_text import NOT_IN_XML
 from rtgen.compiler.model import (
     Component,
@@ -83,7 +83,10 @@ def check(model: Model) -> list[Diagnostic]:
 def check_component(model: Model, component: Component) -> list[Diagnostic]:
     """Diagnostics about a single component."""
     return [
-        *_basic(component),
+        *_identity(component),
+        *_choices(component),
+        *_triggers(component),
+        *_facts(component),
         *_texts(component),
         *_ports(model, component),
         *_configuration(model, component),
@@ -124,46 +127,49 @@ def check_skeletons(packages: Iterable[Part]) -> Iterator[Diagnostic]:
             )
 
 
-def _basic(component: Component) -> Iterator[Diagnostic]:
-    def finding(rule: Rule, message: str, hint: str | None = None) -> Diagnostic:
-        return rule.at(component.span, message, hint=hint)
-
-    name = component.name[-1]
+def _identity(component: Component) -> Iterator[Diagnostic]:
+    span, name = component.span, component.name[-1]
     if not _IDENTIFIER.fullmatch(name):
-        yield finding(rules.NAME, f"a component cannot be called {name!r}")
+        yield rules.NAME.at(span, f"a component cannot be called {name!r}")
     if not _VERSION.fullmatch(component.version):
-        hint = 'write it like `version="1.2.0"`'
-        yield finding(
-            rules.VERSION, f"version {component.version!r} cannot be used", hint
-        )
+        message = f"version {component.version!r} cannot be used"
+        yield rules.VERSION.at(span, message, hint='write it like `version="1.2.0"`')
     for key, date in (("created", component.created), ("updated", component.updated)):
         if not is_date(date):
+            message = f"`{key}` is {date!r}, which is not an xsd:dateTime"
             hint = f'write it like `{key}="2025-02-11T10:30:00+00:00"`'
-            yield finding(
-                rules.DATE, f"`{key}` is {date!r}, which is not an xsd:dateTime", hint
-            )
+            yield rules.DATE.at(span, message, hint=hint)
+
+
+def _choices(component: Component) -> Iterator[Diagnostic]:
     for key, value, choices in (
         ("activity", component.activity, ACTIVITIES),
         ("component type", component.component_type, _COMPONENT_TYPES),
     ):
         if value not in choices:
-            near = _nearest(value, choices)
-            hint = (
-                f"did you mean {near}? " * bool(near) + f"one of {', '.join(choices)}"
-            )
-            yield finding(rules.CHOICE, f"unknown {key} {value!r}", hint)
+            hint = f"{_suggestion(value, choices)}one of {', '.join(choices)}"
+            message = f"unknown {key} {value!r}"
+            yield rules.CHOICE.at(component.span, message, hint=hint)
+
+
+def _triggers(component: Component) -> Iterator[Diagnostic]:
     in_ports = [p.name for p in component.ports if p.kind is PortKind.INPORT]
     for port in component.trigger_ports:
         if port not in in_ports:
-            near = _nearest(port, in_ports)
             known = ", ".join(in_ports) or "none"
-            hint = f"did you mean {near}? " * bool(near) + f"InPorts: {known}"
-            yield finding(rules.CHOICE, f"`triggers` names no InPort {port!r}", hint)
+            hint = f"{_suggestion(port, in_ports)}InPorts: {known}"
+            message = f"`triggers` names no InPort {port!r}"
+            yield rules.CHOICE.at(component.span, message, hint=hint)
     if component.trigger_ports and component.activity in set(ACTIVITIES) - {
         EVENT_DRIVEN
     }:
         message = f"`triggers` has no effect: the activity is {component.activity}"
-        yield finding(rules.CHOICE, message, f'write activity="{EVENT_DRIVEN}"')
+        hint = f'write activity="{EVENT_DRIVEN}"'
+        yield rules.CHOICE.at(component.span, message, hint=hint)
+
+
+def _facts(component: Component) -> Iterator[Diagnostic]:
+    span = component.span
     usual: tuple[tuple[str, str, Sequence[str]], ...] = (
         ("kind", component.kind, _KINDS),
         ("kind of execution context", component.execution, _CONTEXTS),
@@ -172,20 +178,22 @@ def _basic(component: Component) -> Iterator[Diagnostic]:
         near = _nearest(value, words)
         if near and value not in words:
             hint = f"did you mean {near}?"
-            yield finding(rules.MISSPELT_KIND, f"unknown {key} {value!r}", hint)
+            yield rules.MISSPELT_KIND.at(span, f"unknown {key} {value!r}", hint=hint)
     for key, value in (("vendor", component.vendor), ("category", component.category)):
         if _BREAKS_ID.search(value):
-            yield finding(
-                rules.ID_PART, f"{key} {value!r} would break the profile's id"
-            )
+            message = f"{key} {value!r} would break the profile's id"
+            yield rules.ID_PART.at(span, message)
     if not (isfinite(component.rate) and component.rate > 0):
-        yield finding(
-            rules.NUMBER, f"rate {component.rate} is not a frequency above 0 Hz"
-        )
+        message = f"rate {component.rate} is not a frequency above 0 Hz"
+        yield rules.NUMBER.at(span, message)
     if component.max_instances < 0:
-        yield finding(
-            rules.NUMBER, f"max_instances is {component.max_instances}", "0: no limit"
-        )
+        message = f"max_instances is {component.max_instances}"
+        yield rules.NUMBER.at(span, message, hint="0: no limit")
+
+
+def _suggestion(word: str, choices: Sequence[str]) -> str:
+    near = _nearest(word, choices)
+    return f"did you mean {near}? " if near else ""
 
 
 def _nearest(word: str, choices: Sequence[str]) -> str | None:

@@ -309,8 +309,8 @@ def parenthesis(s: ErrorContext) -> Recovery | None:
     return None
 
 
-def marks(s: ErrorContext) -> Recovery | None:
-    """Recognize `*`, `&`, `.`, `->`, `&&` and other symbols of other languages."""
+def operators(s: ErrorContext) -> Recovery | None:
+    """Recognize `*`, `&`, `&&` and other operators of other languages."""
     if s.text in ("*", "&") and "IDENT" in s.accepted and "NUMBER" not in s.accepted:
         hint = (
             "write string for text, sequence<T> for several, inout or out for a result"
@@ -322,6 +322,11 @@ def marks(s: ErrorContext) -> Recovery | None:
         )
     if s.text == "*" and s.previous == "*":
         return _foreign(s, "IDL has no powers", "write the number, or a product")
+    return None
+
+
+def names_and_colons(s: ErrorContext) -> Recovery | None:
+    """Recognize marks within names, and a `:` that is missing or stands for another mark."""
     if (
         s.first == "case"
         and "COLON" in s.accepted
@@ -362,6 +367,11 @@ def marks(s: ErrorContext) -> Recovery | None:
             feed=("SEMI",),
             instead=True,
         )
+    return None
+
+
+def marks(s: ErrorContext) -> Recovery | None:
+    """Recognize other comments, a mark too many, and what stands in place of a name or a type."""
     if s.text in ("-", "<") and not s.before and s.following in ("-", "!"):
         return _foreign(s, "this is not a comment in IDL", "write // ... or /* ... */")
     if s.text == ">" and s.previous == ">":
@@ -390,6 +400,11 @@ def marks(s: ErrorContext) -> Recovery | None:
             "the type comes first, then the bound",
             "write sequence<TYPE, BOUND>",
         )
+    return None
+
+
+def words_of_constructs(s: ErrorContext) -> Recovery | None:
+    """Recognize a missing `switch` or `attribute`, and a switch with a name."""
     if s.text == "{" and "SWITCH" in s.accepted:
         return s.recover(
             syntax.MISSING_WORD,

@@ -471,7 +471,10 @@ _RECOGNISERS: tuple[Callable[[ErrorContext], Recovery | None], ...] = (
     misplaced.assignment,
     misplaced.brackets,
     misplaced.parenthesis,
+    misplaced.operators,
+    misplaced.names_and_colons,
     misplaced.marks,
+    misplaced.words_of_constructs,
     _missing_word,
     _missing_mark,
 )
