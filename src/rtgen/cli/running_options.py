@@ -106,11 +106,7 @@ with_clock_of_run = click.option(
 
 
 _LOOPBACK = "127.0.0.1"
-
-
 _PORT = 8765
-
-
 _PORTS = 1 << 16
 
 

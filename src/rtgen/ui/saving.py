@@ -82,7 +82,7 @@ def profile_now(session: Session) -> System:
         session.profile,
         components=(
             *(component_now(session, each) for each in system.instances),
-            *(_outside(session, *each) for each in names.items()),
+            *(_remote_component(session, *each) for each in names.items()),
             *absent,
         ),
         connections=(
@@ -112,17 +112,12 @@ def _remote_names(session: Session) -> dict[str, str]:
     for instance in session.remote.components:
         name = before.get(_path(instance), "")
         if not name:
-            last = known_name_of(instance)
+            last = instance.rpartition("/")[2]
             numbered = (f"{last}_{number}" for number in count(2))
             name = next(each for each in chain([last], numbered) if each not in taken)
         taken.add(name)
         names[instance] = name
     return names
-
-
-def known_name_of(instance: str) -> str:
-    """Return the last part of the name of a component of another process."""
-    return instance.rpartition("/")[2]
 
 
 def _path(instance: str) -> str:
@@ -147,7 +142,7 @@ def _properties(
     return (*properties, *([(FOREIGN, stated)] if stated else []))
 
 
-def _outside(session: Session, instance: str, name: str) -> SystemComponent:
+def _remote_component(session: Session, instance: str, name: str) -> SystemComponent:
     component = session.remote.components[instance]
     by_instance = {each.instance: each for each in session.profile.components}
     before = by_instance.get(name) or new_component(name, component.type)
@@ -260,7 +255,7 @@ def _foreign(session: Session, instance: str) -> tuple[str, Change | None]:
     name = _remote_names(session)[instance]
     if session.changes.component(name) is not None:
         return name, None
-    component = _outside(session, instance, name)
+    component = _remote_component(session, instance, name)
     ports = _remote_ports(session, instance)
     return name, lambda file: file.add_foreign(component, ports)
 
@@ -309,7 +304,6 @@ def _connection(connector: Connector, before: Connection | None) -> Connection:
         for instance, port in ends_of(connector)
     )
     properties = dict(properties_of(connector))
-    is_data = isinstance(connector, DataConnector)
     if isinstance(connector, DataConnector):
         type_ = connector.source.type._descriptor_.repository_id
         properties.setdefault("dataport.data_type", type_)
@@ -319,6 +313,6 @@ def _connection(connector: Connector, before: Connection | None) -> Connection:
         source=source,
         target=target,
         properties=tuple(properties.items()),
-        service=not is_data,
+        service=not isinstance(connector, DataConnector),
         span=NOWHERE,
     )

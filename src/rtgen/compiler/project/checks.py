@@ -149,26 +149,23 @@ def factory(value: Any) -> str | None:
 
 def adapter(value: Any) -> str | None:
     """Check the table of an adapter."""
-    fine = isinstance(value, dict) and {"from", "to"} <= set(value) <= {
-        *("from", "to", "map", "set", "units")
-    }
-    if fine:
-        pairs, fixed, units = (value.get(key, {}) for key in ("map", "set", "units"))
-        fine = all(isinstance(each, dict) for each in (pairs, fixed, units))
-        fine = fine and all(
-            isinstance(v, str) for v in (value["from"], value["to"], *pairs.values())
-        )
-        fine = fine and is_constants(fixed)
-        fine = fine and all(map(_is_pair, units.values()))
-    keys = dict.fromkeys(("from", "to", "map", "set", "units"))
-    unknown = (
-        [key for key in value if key not in keys] if isinstance(value, dict) else []
-    )
-    if unknown:
-        return f"has an unknown key {unknown[0]!r}; {did_you_mean(unknown[0], keys)}"
     form = (
         'from = "TYPE", to = "TYPE", map = { "MEMBER" = "MEMBER" }, '
         'set = { "MEMBER" = VALUE }, units = { "MEMBER" = ["UNIT", "UNIT"] }'
+    )
+    if not isinstance(value, dict):
+        return f"must be a table: {form}"
+    keys = ("from", "to", "map", "set", "units")
+    unknown = next((key for key in value if key not in keys), None)
+    if unknown is not None:
+        return f"has an unknown key {unknown!r}; {did_you_mean(unknown, keys)}"
+    source, target = value.get("from"), value.get("to")
+    pairs, fixed, units = (value.get(key, {}) for key in ("map", "set", "units"))
+    fine = (
+        all(isinstance(each, dict) for each in (pairs, fixed, units))
+        and all(isinstance(each, str) for each in (source, target, *pairs.values()))
+        and is_constants(fixed)
+        and all(map(_is_pair, units.values()))
     )
     return None if fine else f"must be a table: {form}"
 

@@ -124,26 +124,23 @@ class _Run:
             unreadable=rules.UNREADABLE,
             beside=f"*{path.suffix}",
         )
-        if file is None:
-            return
-        if absolute_path(file.path) in self._read:
-            self._mark_main(file.name)
-        else:
-            self._interface(file, main=True)
+        if file is not None:
+            self._main(file)
 
     def read_texts(self, names: Sequence[str]) -> None:
         for name in names:
             file = self._library.virtual(name)
             assert file is not None
-            if absolute_path(file.path) in self._read:
-                self._mark_main(file.name)
-            else:
-                self._interface(file, main=True)
+            self._main(file)
 
-    def _mark_main(self, name: str) -> None:
+    def _main(self, file: InterfaceFile) -> None:
+        """Read a main file, or mark it if others have used it before."""
+        if absolute_path(file.path) not in self._read:
+            self._interface(file, main=True)
+            return
         self._files = [
-            msgspec.structs.replace(file, main=True) if file.name == name else file
-            for file in self._files
+            msgspec.structs.replace(each, main=True) if each.name == file.name else each
+            for each in self._files
         ]
 
     def _interface(self, file: InterfaceFile, *, main: bool) -> None:
@@ -231,9 +228,7 @@ class _Run:
                 if name is None or name[1] != "msg":
                     self._report_spelling(field.type)
                     continue
-                references = self._message(name, field.type, file)
-                if references is not None:
-                    files[references] = None
+                self._add_message(files, name, field.type, file)
             if message.name[1] != "msg":
                 own.add(message.name)
         return files
@@ -246,10 +241,20 @@ class _Run:
             if name:
                 suffix = "_Request" if name.startswith("srv/") else ""
                 scoped_name = (package, *f"{name}{suffix}".split("/"))
-                references = self._message(scoped_name, FieldType(form, start), file)
-                if references is not None:
-                    files[references] = None
+                self._add_message(files, scoped_name, FieldType(form, start), file)
         return files
+
+    def _add_message(
+        self,
+        files: dict[str, None],
+        name: ScopedName,
+        type_: FieldType,
+        user: InterfaceFile,
+    ) -> None:
+        """Read the file of a message that `user` uses, and add it to `files`."""
+        file = self._message(name, type_, user)
+        if file is not None:
+            files[file] = None
 
     def _report_spelling(self, type_: FieldType) -> None:
         near = nearest(type_.base, (*PRIMITIVES, *STRINGS))
@@ -280,23 +285,25 @@ class _Run:
         if len(self._read) >= _MAX_FILES:
             return
         source = None
-        if file_of(name) in self._given:
-            source = self._library.virtual(file_of(name))
-        for path, folder in (
-            () if source else candidates(name, file.path, self._library.include)
-        ):
-            try:
-                source = self._library.open(path, folder) or self._library.open(
-                    path.with_suffix(_IDL), folder
-                )
-            except OSError as error:
-                span = Span(file.name, 1, 1, 1, 1)
-                self._findings.add(rules.UNREADABLE, span, f"{path.name}: {error}")
-                return
-            if source is not None:
-                break
+        try:
+            if file_of(name) not in self._given:
+                source = self._on_disk(name, file)
+        except OSError as error:
+            span = Span(file.name, 1, 1, 1, 1)
+            text = f"{Path(file_of(name)).name}: {error}"
+            self._findings.add(rules.UNREADABLE, span, text)
+            return
         source = source or self._library.virtual(file_of(name))
         if source is not None:
             self._places.add(name)
             if absolute_path(source.path) not in self._read:
                 self._interface(source, main=False)
+
+    def _on_disk(self, name: ScopedName, file: InterfaceFile) -> InterfaceFile | None:
+        """Return the file of a message that `file` uses. Raises OSError."""
+        for path, folder in candidates(name, file.path, self._library.include):
+            for each in (path, path.with_suffix(_IDL)):
+                source = self._library.open(each, folder)
+                if source is not None:
+                    return source
+        return None

@@ -83,7 +83,7 @@ class RosRclpy:
             self._topics = Waiter(self._context, "ros2-topics")
             self._services = Waiter(self._context, "ros2-services")
         try:
-            self._of("")
+            self._node_of("")
         except MediumError:
             self.close()
             raise
@@ -91,24 +91,24 @@ class RosRclpy:
     def publisher(self, topic: RosTopic, qos: RosQos) -> Publisher:
         """See `Messaging`."""
         class_ = installed(topic.type_name, topic.type_hash)
-        node = self._of(topic.node)
+        node = self._node_of(topic.node)
         with reported(topic.name):
             silent = PublisherEventCallbacks(use_default_callbacks=False)
-            made = node.create_publisher(
+            publisher = node.create_publisher(
                 class_, topic.name, _qos(qos.profile), event_callbacks=silent
             )
-            status = self._status(topic, node, made, qos.profile, writes=True)
-        return self._keep(Publisher(node, made, status, is_durable=qos.durable))
+            status = self._status(topic, node, publisher, qos.profile, writes=True)
+        return self._keep(Publisher(node, publisher, status, is_durable=qos.durable))
 
     def subscribe(
         self, topic: RosTopic, qos: RosQos, on_sample: OnSample
     ) -> Subscription:
         """See `Messaging`."""
         class_ = installed(topic.type_name, topic.type_hash)
-        node = self._of(topic.node)
+        node = self._node_of(topic.node)
         with reported(topic.name):
             silent = SubscriptionEventCallbacks(use_default_callbacks=False)
-            made = node.create_subscription(
+            subscription = node.create_subscription(
                 class_,
                 topic.name,
                 _unused,
@@ -116,8 +116,10 @@ class RosRclpy:
                 event_callbacks=silent,
                 raw=True,
             )
-            status = self._status(topic, node, made, qos.profile, writes=False)
-            return self._keep(Subscription(node, made, on_sample, self._topics, status))
+            status = self._status(topic, node, subscription, qos.profile, writes=False)
+            return self._keep(
+                Subscription(node, subscription, on_sample, self._topics, status)
+            )
 
     def _status(
         self, topic: RosTopic, node: Node, end: Any, profile: Profile, *, writes: bool
@@ -141,20 +143,20 @@ class RosRclpy:
         """See `Messaging`."""
         [described] = types
         class_ = installed(described.type_name, described.type_hash)
-        node = self._of(described.node)
+        node = self._node_of(described.node)
         with reported(service):
-            made = node.create_service(
+            server = node.create_service(
                 class_, service, _unused, qos_profile=_qos(_SERVICE)
             )
-            return self._keep(Server(node, made, on_request, self._services))
+            return self._keep(Server(node, server, on_request, self._services))
 
     def client(self, service: str, types: RosService) -> Client:
         """See `Messaging`."""
         class_ = installed(types.type_name, types.type_hash)
-        node = self._of(types.node)
+        node = self._node_of(types.node)
         with reported(service):
-            made = node.create_client(class_, service, qos_profile=_qos(_SERVICE))
-            return self._keep(Client(node, made, service, self._services))
+            client = node.create_client(class_, service, qos_profile=_qos(_SERVICE))
+            return self._keep(Client(node, client, service, self._services))
 
     def close(self) -> None:
         """See `Messaging`."""
@@ -171,7 +173,7 @@ class RosRclpy:
         self._context.try_shutdown()
         self._context.destroy()
 
-    def _of(self, name: str) -> Node:
+    def _node_of(self, name: str) -> Node:
         """Return a node of this process; without a name, its own."""
         name = name or self._node.name
         with self._lock, reported(name):

@@ -21,6 +21,19 @@ class RecoveringParser(Parser):
             depth += (kind == "LBRACE") - (kind == "RBRACE")
         return depth
 
+    def resumption(self, start: int, depth: int, marks: re.Pattern[str]) -> int:
+        """Return where parsing resumes after an error at `start`, with `depth` open braces.
+
+        The stack was unwound. See `_resumption` for `marks`.
+        """
+        text = self._text
+        position = _resumption(text, start, depth, marks)
+        stuck = position == start < len(text)
+        if stuck and "RBRACE" not in self.accepts():
+            end = _end_of_declaration(text, start + 1)
+            return start + 1 if end is None else end
+        return position
+
     def opening(self) -> int | None:
         """Return the offset of the innermost open brace."""
         for value in reversed(self.values):
@@ -52,13 +65,13 @@ class RecoveringParser(Parser):
 _END_OF_DECLARATION = re.compile(r"\s*;|[ \t]*\w+\s*;")
 
 
-def end_of_declaration(text: str, offset: int) -> int | None:
+def _end_of_declaration(text: str, offset: int) -> int | None:
     """Return the end of a `;`, or of a name and a `;`, at an offset; None without either."""
     rest = _END_OF_DECLARATION.match(text, offset)
     return rest.end() if rest else None
 
 
-def resumption(text: str, start: int, depth: int, marks: re.Pattern[str]) -> int:
+def _resumption(text: str, start: int, depth: int, marks: re.Pattern[str]) -> int:
     """Return where parsing resumes after an error at `start`, with `depth` open braces.
 
     This is after the `;` that ends the declaration, or before the `}` around it. `marks` matches
@@ -75,7 +88,7 @@ def resumption(text: str, start: int, depth: int, marks: re.Pattern[str]) -> int
                 return match.start()
             depth -= 1
             if depth == 0 and opened:
-                end = end_of_declaration(text, match.end())
+                end = _end_of_declaration(text, match.end())
                 return match.end() if end is None else end
         elif mark == ";" and depth == 0:
             return match.end()

@@ -10,7 +10,14 @@ from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
-from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Severity, Span
+from rtgen.compiler.diagnostics import (
+    Diagnostic,
+    Related,
+    Rule,
+    Severity,
+    Span,
+    rules_of,
+)
 from rtgen.compiler.frontends.kit.findings import Findings
 from rtgen.compiler.frontends.kit.located_xml import Element
 from rtgen.compiler.frontends.profiles import profile_tree
@@ -35,18 +42,7 @@ CYCLE = Rule("RTC0516", "activation waits for itself", Severity.ERROR)
 ID = Rule("RTC0517", "id without a component type", Severity.ERROR)
 OTHER_ID = Rule("RTC0518", "id is not that of the instance", Severity.WARNING)
 
-RULES = (
-    *profile_tree.RULES,
-    NOT_A_SYSTEM,
-    MISSING,
-    SAME_INSTANCE,
-    UNKNOWN_INSTANCE,
-    NO_END,
-    NUMBER,
-    CYCLE,
-    ID,
-    OTHER_ID,
-)
+RULES = (*profile_tree.RULES, *rules_of(globals()))
 
 _DROPPED = frozenset(
     f"dataport.corba_cdr.{end}_{form}"

@@ -204,17 +204,13 @@ class DevicePorts:
             mapped: list[Mapped] = []
             struct = f"{pdo.direction}{pdo.number}"
             for entry in pdo.entries:
-                samples = (
-                    None
-                    if entry.dummy
-                    else self.device.find(entry.index, entry.subindex)
-                )
-                if samples is None:
+                variable = self.device.find(entry.index, entry.subindex)
+                if variable is None or entry.dummy:
                     mapped.append(Mapped(None, 0, entry.bits))
                     continue
-                quantity = self._member(samples, fields, struct)
+                quantity = self._member(variable, fields, struct)
                 fields.append(quantity)
-                mapped.append(Mapped(quantity.name, samples.data_type, entry.bits))
+                mapped.append(Mapped(quantity.name, variable.data_type, entry.bits))
             if not fields:
                 continue
             try:

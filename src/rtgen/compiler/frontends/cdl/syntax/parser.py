@@ -26,11 +26,7 @@ from rtgen.compiler.frontends.cdl.syntax.unit import TypeNames, Unit
 from rtgen.compiler.frontends.kit import lalr
 from rtgen.compiler.frontends.kit.grammars import load
 from rtgen.compiler.frontends.kit.lalr import END, WORD, Token, token
-from rtgen.compiler.frontends.kit.recovery import (
-    RecoveringParser,
-    end_of_declaration,
-    resumption,
-)
+from rtgen.compiler.frontends.kit.recovery import RecoveringParser
 from rtgen.compiler.kit.limits import MAX_NESTING
 from rtgen.compiler.model.types import ScopedName
 
@@ -295,11 +291,7 @@ class _Run:
         self._parser.feed(token("ERROR", start))
         if self._errors > MAX_ERRORS:
             start = len(self._text)
-        position = resumption(self._text, start, depth, _MARKS)
-        stuck = position == start < len(self._text)
-        if stuck and "RBRACE" not in self._parser.accepts():
-            end = end_of_declaration(self._text, start + 1)
-            position = start + 1 if end is None else end
+        position = self._parser.resumption(start, depth, _MARKS)
         statement = max(self._text.rfind(mark, 0, start) for mark in ";{}") + 1
         names = _DECLARED.findall(self._text, statement, position)
         self._unit.skipped = True

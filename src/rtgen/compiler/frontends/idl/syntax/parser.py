@@ -20,11 +20,7 @@ from rtgen.compiler.frontends.idl.text.unit import Unit
 from rtgen.compiler.frontends.kit import lalr
 from rtgen.compiler.frontends.kit.grammars import load
 from rtgen.compiler.frontends.kit.lalr import END, Token, token
-from rtgen.compiler.frontends.kit.recovery import (
-    RecoveringParser,
-    end_of_declaration,
-    resumption,
-)
+from rtgen.compiler.frontends.kit.recovery import RecoveringParser
 
 if TYPE_CHECKING:
     from rtgen.compiler.frontends.idl.syntax.syntax_errors import ErrorContext, Recovery
@@ -259,11 +255,7 @@ class _Run:
         self._parser.feed(token("ERROR", start))
         if self._errors > MAX_ERRORS:
             start = len(self._text)
-        position = resumption(self._text, start, depth, _MARKS)
-        stuck = position == start < len(self._text)
-        if stuck and "RBRACE" not in self._parser.accepts():
-            end = end_of_declaration(self._text, start + 1)
-            position = start + 1 if end is None else end
+        position = self._parser.resumption(start, depth, _MARKS)
         self._lose(statement, position)
         self._parser.position = position
         if position >= len(self._text):
