@@ -9,8 +9,10 @@ import shutil
 import signal
 from collections import defaultdict
 from collections.abc import Iterable
+from functools import cache
 from itertools import count
 from pathlib import Path
+from types import ModuleType
 
 import pytest
 import seeds
@@ -85,15 +87,24 @@ def pytest_collection_modifyitems(items: list[pytest.Item]) -> None:
     _leave_to_nightly(items)
     for item in items:
         assert isinstance(item, pytest.Function)
-        is_random = any(getattr(item.module, f.__name__, None) is f for f in DRAWN)
+        is_random = _draws(item.module)
         if is_random:
             item.add_marker("random")
         if is_random or item.get_closest_marker("slow"):
             item.add_marker("no_cover")
         in_turns = item.get_closest_marker("in_turns") is not None
-        name = item.name if in_turns else item.path.relative_to(TESTS).as_posix()
-        if not (seeds.is_for_all() or seeds.has_turn(name)):
+        if not (seeds.has_turn(item.name) if in_turns else _has_turn(item.path)):
             item.add_marker("postponed")
+
+
+@cache
+def _draws(module: ModuleType) -> bool:
+    return any(getattr(module, f.__name__, None) is f for f in DRAWN)
+
+
+@cache
+def _has_turn(file: Path) -> bool:
+    return seeds.has_turn(file.relative_to(TESTS).as_posix())
 
 
 def _leave_to_nightly(items: Iterable[pytest.Item]) -> None:
@@ -121,10 +132,13 @@ def _leave_to_nightly(items: Iterable[pytest.Item]) -> None:
 
 def _is_tried_on_each(item: pytest.Item) -> bool:
     """Return whether the further interpreter of `make nightly` runs a case (`interpreters`)."""
-    once = [TESTS.parent / each for each in TRIED_ONCE]
-    return not any(map(item.get_closest_marker, ("slow", "peer"))) and not any(
-        item.path.is_relative_to(each) for each in once
-    )
+    is_slow = any(map(item.get_closest_marker, ("slow", "peer")))
+    return not is_slow and not _is_tried_once(item.path)
+
+
+@cache
+def _is_tried_once(file: Path) -> bool:
+    return any(file.is_relative_to(TESTS.parent / each) for each in TRIED_ONCE)
 
 
 def _turn(item: pytest.Item) -> tuple[bool, bool]:

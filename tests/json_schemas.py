@@ -5,10 +5,10 @@ from __future__ import annotations
 import json
 from functools import cache
 from pathlib import Path
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
-from jsonschema import Draft202012Validator
-from referencing import Registry, Resource
+if TYPE_CHECKING:
+    from jsonschema import Draft202012Validator
 
 SCHEMAS = Path(__file__).parents[1] / "src" / "rtgen" / "cli" / "schemas"
 
@@ -16,6 +16,10 @@ SCHEMAS = Path(__file__).parents[1] / "src" / "rtgen" / "cli" / "schemas"
 @cache
 def validator(name: str, part: str | None = None) -> Draft202012Validator:
     """Return the validator of a schema file, or of one of its definitions."""
+    # Its import compiles a grammar, which each process that collects tests would wait for.
+    from jsonschema import Draft202012Validator
+    from referencing import Registry, Resource
+
     schemas = {path.name: json.loads(path.read_text()) for path in SCHEMAS.iterdir()}
     for schema in schemas.values():
         Draft202012Validator.check_schema(schema)

@@ -63,8 +63,8 @@ def is_for_all() -> bool:
 
 
 def has_turn(name: str) -> bool:
-    """Return whether a name is in the part that the seed chooses."""
-    return (zlib.crc32(name.encode()) + seed()) % TURNS == 0
+    """Return whether a name is in the part that the seed chooses, or the budget is for all."""
+    return is_for_all() or (zlib.crc32(name.encode()) + seed()) % TURNS == 0
 
 
 def _share() -> float:
