@@ -106,13 +106,11 @@ class NamingWatcher:
         report: Callable[[str, str], None],
         own: RtObjects | None = None,
         period: float = PERIOD,
-        timeout: float = TIMEOUT,
     ) -> None:
         self._publish = publish
         self._report = report
         self._own = own
-        self._timeout = timeout
-        self._orb = Orb(timeout=timeout)
+        self._orb = Orb(timeout=TIMEOUT)
         self._exported = Exported(self._orb)
         self._activations = Activations(self._exported)
         self._taps = RemoteConnections(self._orb, self._exported)
@@ -149,7 +147,7 @@ class NamingWatcher:
         self._thread.close()
         self._activations.release_all()
         with suppress(*FAULTS):
-            self._taps.close(2 * self._timeout)
+            self._taps.close(2 * TIMEOUT)
         self._orb.close()
 
     # Polling.
@@ -171,7 +169,7 @@ class NamingWatcher:
         for each in everybody:
             if not each.component.silent:
                 self._query(each)
-        deadline = time.monotonic() + self._timeout
+        deadline = time.monotonic() + TIMEOUT
         for each in silent:
             if time.monotonic() > deadline:
                 break

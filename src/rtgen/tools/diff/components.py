@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator
-from typing import Any
 
-from rtgen.compiler.matching import Matching, matching
+from rtgen.compiler.matching import matching
 from rtgen.compiler.model import (
     Adapter,
     Component,
@@ -22,6 +21,7 @@ from rtgen.tools.diff.items import (
     fact_changes,
     is_reordered,
     item_changes,
+    part_items,
 )
 from rtgen.tools.diff.kinds import components as kinds
 from rtgen.tools.diff.kinds import types as type_kinds
@@ -146,7 +146,7 @@ class _Components:
     def _ports(self) -> Iterator[Change]:
         old, new = by_name(self._old.ports), by_name(self._new.ports)
         found = matching(old, new, lambda p: (p.kind, str(p.type), p.unit))
-        yield from self._items(_PORTS, found)
+        yield from part_items(_PORTS, found, self._old, self._new)
         for one, other in (*found.pairs, *found.renamed):
             yield from self._port(one, other)
         if is_reordered([*old], [*new]):
@@ -187,7 +187,7 @@ class _Components:
             by_name(self._new.configuration),
             lambda c: (str(c.type), value_text(c.default), c.unit, c.constraint),
         )
-        yield from self._items(_PARAMETERS, found)
+        yield from part_items(_PARAMETERS, found, self._old, self._new)
         for one, other in found.pairs:
             yield from self._parameter(one, other)
 
@@ -202,16 +202,6 @@ class _Components:
             text = f"parameter {name} has the type {new.type}, had {old.type}"
             yield change(kind, name, text, *spans)
         yield from fact_changes(_PARAMETER_FACTS, old, new, name, spans, "parameter")
-
-    def _items(self, group: Group, found: Matching[str, Any]) -> Iterator[Change]:
-        yield from item_changes(
-            group,
-            found,
-            self._sub,
-            (self._old.span, self._new.span),
-            old_name=lambda item: f"{self._old.scoped}.{item.name}",
-            label=lambda item: item.name,
-        )
 
     def _sub(self, item: Port | ConfigurationParameter) -> str:
         return f"{self._new.scoped}.{item.name}"

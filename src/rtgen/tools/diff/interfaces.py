@@ -6,7 +6,7 @@ from collections.abc import Iterator, Mapping, Sequence
 from typing import TypeVar
 
 from rtgen.compiler.diagnostics import Span
-from rtgen.compiler.matching import Matching, matching
+from rtgen.compiler.matching import matching
 from rtgen.compiler.model import (
     Attribute,
     Interface,
@@ -27,6 +27,7 @@ from rtgen.tools.diff.items import (
     is_reordered,
     item_changes,
     part_changes,
+    part_items,
 )
 from rtgen.tools.diff.kinds import interfaces as kinds
 from rtgen.tools.diff.kinds import types as type_kinds
@@ -123,7 +124,7 @@ class _Interfaces:
         found = matching(
             by_name(self._old.operations), by_name(self._new.operations), _signature
         )
-        yield from self._items(_OPERATIONS, found)
+        yield from part_items(_OPERATIONS, found, self._old, self._new)
         for one, other in (*found.pairs, *found.renamed):
             yield from self._operation(one, other)
         both = (self._old.operations, self._new.operations)
@@ -195,7 +196,7 @@ class _Interfaces:
         """Yield the changes of attributes."""
         before, after = by_name(self._old.attributes), by_name(self._new.attributes)
         found = matching(before, after)
-        yield from self._items(_ATTRIBUTES, found)
+        yield from part_items(_ATTRIBUTES, found, self._old, self._new)
         for old, new in found.pairs:
             name, spans = self._sub(new), (old.span, new.span)
             yield from self._typed(
@@ -237,16 +238,6 @@ class _Interfaces:
             broken |= self._between(verdict.replaced)
         text = f"{words} {new}, was {old}"
         yield change(kind, name, text, *spans, wires=None if broken else ())
-
-    def _items(self, group: Group, found: Matching[str, _Item]) -> Iterator[Change]:
-        yield from item_changes(
-            group,
-            found,
-            self._sub,
-            (self._old.span, self._new.span),
-            old_name=lambda item: f"{self._old.scoped}.{item.name}",
-            label=lambda item: item.name,
-        )
 
     def _sub(self, item: Operation | Attribute | Parameter) -> str:
         return f"{self._new.scoped}.{item.name}"

@@ -19,6 +19,13 @@ class _Placed(Protocol):
     def span(self) -> Span: ...
 
 
+class Scoped(_Placed, Protocol):
+    """A declaration with its name."""
+
+    @property
+    def scoped(self) -> str: ...
+
+
 Item = TypeVar("Item", bound=_Placed)
 Key = TypeVar("Key")
 NOWHERE: Spans = (None, None)
@@ -70,6 +77,20 @@ def item_changes(
         word = _chosen(group.word, other)
         text = f"{word} {name(other)} was called {(label or subject)(one)}"
         yield change(group.renamed, name(other), text, place(one), place(other))
+
+
+def part_items(
+    group: Group, found: Matching[Any, Any], old: Scoped, new: Scoped
+) -> Iterator[Change]:
+    """Yield the same changes of the named parts of a declaration."""
+    yield from item_changes(
+        group,
+        found,
+        lambda part: f"{new.scoped}.{part.name}",
+        (old.span, new.span),
+        old_name=lambda part: f"{old.scoped}.{part.name}",
+        label=attrgetter("name"),
+    )
 
 
 @dataclass(frozen=True, slots=True)

@@ -61,11 +61,10 @@ class SdoChannel:
     has drained late responses; only for transfers that may be repeated.
     """
 
-    def __init__(self, link: SdoLink, node_id: int, timeout: int = sdo.TIMEOUT) -> None:
+    def __init__(self, link: SdoLink, node_id: int) -> None:
         self.node_id = node_id
         self._link = link
-        self._timeout = timeout
-        self._client = SdoClient(node_id, timeout=timeout)
+        self._client = SdoClient(node_id)
         self._waiting: deque[_Transfer] = deque()
         self._current: _Transfer | None = None
         self.unexpected = 0
@@ -190,7 +189,7 @@ class SdoChannel:
     def _awaited(self, submit: Callable[[Done], None]) -> bytes:
         outcomes: list[Outcome] = []
         submit(outcomes.append)
-        if not self._link.wait(lambda: bool(outcomes), _MAX_TIMEOUTS * self._timeout):
+        if not self._link.wait(lambda: bool(outcomes), _MAX_TIMEOUTS * sdo.TIMEOUT):
             with self._link.lock:
                 frames = self._client.cancel(self._link.now(), sdo.TIMED_OUT)
                 self._link.send([*frames, *self._advance(self._link.now())], self)

@@ -33,11 +33,11 @@ class SimulatedCanBus(SharedLink):
     delivered at the end of its transmission. A run is deterministic.
     """
 
-    def __init__(self, clock: SimulatedTime, channel: str, bit_rate: int = 0) -> None:
+    def __init__(self, clock: SimulatedTime, channel: str) -> None:
         super().__init__(f"the simulated bus {channel}")
         if clock.instants is None:
             raise LinkError(f"{self.bus}: no system runs on its clock")
-        self.bit_rate = bit_rate
+        self.bit_rate = 0
         self.disturbance: Disturbance | None = None
         """Faults of the bus, for tests."""
         self._clock = clock

@@ -286,19 +286,21 @@ class Naming(ABC):
                 return entity
             if entity.kind is not Kind.TYPEDEF:
                 return None
-            node = entity.type_node
-            while isinstance(node, tree.Sequence):
-                node = node.element
-            target = (
-                self.tables.references.get(node)
-                if isinstance(node, tree.ScopedName)
-                else None
-            )
-            if not isinstance(target, Entity) or target.complete:
+            target = self._named_element(entity.type_node)
+            if target is None or target.complete:
                 entity.complete = True
                 return None
             entity = target
         return None
+
+    def _named_element(self, node: object) -> Entity | None:
+        """Return the declaration of a type, or of the elements of sequences; None without."""
+        while isinstance(node, tree.Sequence):
+            node = node.element
+        if not isinstance(node, tree.ScopedName):
+            return None
+        target = self.tables.references.get(node)
+        return target if isinstance(target, Entity) else None
 
     def _check_type(self, entity: Entity, node: tree.ScopedName) -> None:
         if entity.kind in TYPES:

@@ -213,15 +213,8 @@ class TypeNames(Naming):
 
     def _typedef(self, node: tree.Typedef, scope: Scope, item: tree.Item) -> None:
         self._type(node.type, scope, alias=True)
-        element = node.type
-        while isinstance(element, tree.Sequence):
-            element = element.element
-        target = (
-            self.tables.references.get(element)
-            if isinstance(element, tree.ScopedName)
-            else None
-        )
-        open_ended = isinstance(target, Entity) and self._open_type(target) is not None
+        target = self._named_element(node.type)
+        open_ended = target is not None and self._open_type(target) is not None
         for declarator in node.declarators:
             if self._is_repeated(declarator, node.type, scope):
                 continue

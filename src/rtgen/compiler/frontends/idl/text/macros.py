@@ -31,12 +31,11 @@ MAX_TOKENS = 100_000
 
 
 class ExpansionError(Exception):
-    """An invalid macro call; `hint` as in diagnostics."""
+    """An invalid macro call."""
 
-    def __init__(self, message: str, hint: str | None = None) -> None:
+    def __init__(self, message: str) -> None:
         super().__init__(message)
         self.message = message
-        self.hint = hint
 
 
 class Token(msgspec.Struct, frozen=True):

@@ -9,6 +9,7 @@ import msgspec
 from rtgen.compiler.diagnostics import Diagnostic, Related, Rule
 from rtgen.compiler.frontends.idl.meaning.typetable import Types
 from rtgen.compiler.frontends.idl.names.scopes import Entity, Kind
+from rtgen.compiler.frontends.idl.rules import interfaces as interface_rules
 from rtgen.compiler.frontends.idl.rules import types as rules
 from rtgen.compiler.frontends.idl.syntax import tree
 from rtgen.compiler.frontends.idl.text.unit import Unit
@@ -50,6 +51,32 @@ class Context(msgspec.Struct, frozen=True):
         """Report a diagnostic at a node."""
         span = unit.span(node.start, node.end)
         self.report(rule.at(span, message, related=related, hint=hint))
+
+    def report_base(
+        self, rule: Rule, entity: Entity, name: tree.ScopedName, message: str, hint: str
+    ) -> None:
+        """Report the name of a base, or of a supported interface."""
+        base = self.target(name)
+        related = [] if base is None else [Related(base.span, "declared here")]
+        self.report_at(rule, entity.unit, name, message, related=related, hint=hint)
+
+    def report_repeated_base(
+        self,
+        entity: Entity,
+        base: Entity,
+        name: tree.ScopedName,
+        first: tree.ScopedName,
+    ) -> None:
+        """Report a name of a base that is also named by `first`."""
+        place = entity.unit.span(first.start, first.end)
+        self.report_at(
+            interface_rules.DUPLICATE_BASE,
+            entity.unit,
+            name,
+            f"{base.name} is named twice",
+            related=[Related(place, "the first time")],
+            hint="remove one",
+        )
 
     def target(self, name: tree.ScopedName) -> Entity | None:
         """Return the declaration of a name, None if it is not a declaration."""

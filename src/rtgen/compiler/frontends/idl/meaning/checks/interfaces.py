@@ -21,38 +21,20 @@ def bases(entity: Entity, context: Context) -> None:
         if base is None:
             continue
         if base in seen:
-            first = entity.unit.span(seen[base].start, seen[base].end)
-            context.report_at(
-                rules.DUPLICATE_BASE,
-                entity.unit,
-                name,
-                f"{base.name} is named twice",
-                related=[Related(first, "the first time")],
-                hint="remove one",
-            )
+            context.report_repeated_base(entity, base, name, seen[base])
         seen[base] = name
-        related = [Related(base.span, "declared here")]
         if node.modifier == "abstract" and base.modifier != "abstract":
             message = (
                 f"the abstract interface {entity.name} cannot inherit from {base.name}"
             )
             hint = f"make {base.name} abstract"
-            context.report_at(
-                rules.ABSTRACT_BASE,
-                entity.unit,
-                name,
-                message,
-                related=related,
-                hint=hint,
-            )
+            context.report_base(rules.ABSTRACT_BASE, entity, name, message, hint)
         if node.modifier != "local" and base.modifier == "local":
             message = (
                 f"{entity.name} is not local, so it cannot inherit from {base.name}"
             )
             hint = f"make {entity.name} local"
-            context.report_at(
-                rules.LOCAL_BASE, entity.unit, name, message, related=related, hint=hint
-            )
+            context.report_base(rules.LOCAL_BASE, entity, name, message, hint)
 
 
 def inherited(entity: Entity, context: Context) -> None:

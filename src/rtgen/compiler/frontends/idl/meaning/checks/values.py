@@ -23,28 +23,18 @@ def bases(entity: Entity, context: Context) -> None:
         base = context.target(name)
         if base is None:
             continue
-        related = [Related(base.span, "declared here")]
         if node.modifier == "abstract" and base.modifier != "abstract":
             message = (
                 f"the abstract valuetype {entity.name} cannot inherit from {base.name}"
             )
             hint = f"make {base.name} abstract"
-            context.report_at(
-                rules.ABSTRACT_BASE,
-                entity.unit,
-                name,
-                message,
-                related=related,
-                hint=hint,
-            )
+            context.report_base(rules.ABSTRACT_BASE, entity, name, message, hint)
         if base.modifier == "custom" and node.modifier != "custom":
             message = (
                 f"{entity.name} is not custom, so it cannot inherit from {base.name}"
             )
             hint = f"make {entity.name} custom"
-            context.report_at(
-                rules.CUSTOM, entity.unit, name, message, related=related, hint=hint
-            )
+            context.report_base(rules.CUSTOM, entity, name, message, hint)
     if node.truncatable and node.modifier == "custom":
         message = f"{entity.name} is custom, so it cannot be truncatable"
         hint = "remove custom or truncatable"
@@ -72,28 +62,11 @@ def _concrete_first(
         if base is None:
             continue
         if base in seen:
-            message = f"{base.name} is named twice"
-            place = entity.unit.span(seen[base].start, seen[base].end)
-            context.report_at(
-                rules.DUPLICATE_BASE,
-                entity.unit,
-                name,
-                message,
-                related=[Related(place, "the first time")],
-                hint="remove one",
-            )
+            context.report_repeated_base(entity, base, name, seen[base])
         elif index and base.modifier != "abstract":
             message = f"{base.name} is not abstract, so it can only be the first {what}"
-            related = [Related(base.span, "declared here")]
             hint = f"put {base.name} first, and make the others abstract"
-            context.report_at(
-                rules.CONCRETE_BASES,
-                entity.unit,
-                name,
-                message,
-                related=related,
-                hint=hint,
-            )
+            context.report_base(rules.CONCRETE_BASES, entity, name, message, hint)
         seen.setdefault(base, name)
 
 
