@@ -70,23 +70,23 @@ class Latencies:
         connectors: Iterable[Any],
         now: Callable[[], int],
     ) -> None:
-        paths = _longest_paths(_ways(components, connectors), MAX_CHAINS)
-        inputs: dict[str | None, list[_Way]] = {}
-        measured = dict.fromkeys(way for path in paths for way in path)
-        for way in measured:
-            way.is_first = any(path[0] is way for path in paths)
-            way.inputs = inputs.get(way.source, []) if way.source is not None else []
-            if not way.is_cut and way.target is not None:
-                inputs.setdefault(way.target, []).append(way)
+        paths = _longest_paths(_hops(components, connectors), MAX_CHAINS)
+        inputs: dict[str | None, list[_Hop]] = {}
+        measured = dict.fromkeys(hop for path in paths for hop in path)
+        for hop in measured:
+            hop.is_first = any(path[0] is hop for path in paths)
+            hop.inputs = inputs.get(hop.source, []) if hop.source is not None else []
+            if not hop.is_cut and hop.target is not None:
+                inputs.setdefault(hop.target, []).append(hop)
         self._chains = [_Chain(path) for path in paths]
-        ends: dict[_Way, list[_Chain]] = {}
+        ends: dict[_Hop, list[_Chain]] = {}
         for chain, path in zip(self._chains, paths, strict=True):
             ends.setdefault(path[-1], []).append(chain)
         targets: dict[InPort[Any], None] = {}
-        for way in measured:
-            _measure(way, ends.get(way, []), now)
-            if way.connector is not None:
-                targets[way.connector.target] = None
+        for hop in measured:
+            _measure(hop, ends.get(hop, []), now)
+            if hop.connector is not None:
+                targets[hop.connector.target] = None
         for port in targets:
             port._rewire()
 
@@ -101,16 +101,16 @@ class _Chain:
 
     __slots__ = ("counts", "last", "name", "ports", "steps")
 
-    def __init__(self, path: tuple[_Way, ...]) -> None:
-        self.ports = tuple(port for way in path for port in way.ports)
-        inner = [way.target or "" for way in path[:-1]]
+    def __init__(self, path: tuple[_Hop, ...]) -> None:
+        self.ports = tuple(port for hop in path for port in hop.ports)
+        inner = [hop.target or "" for hop in path[:-1]]
         if len(path[-1].ports) == 1:
             inner.pop()  # the port of the same component is the end
         self.name = " > ".join((self.ports[0], *inner, self.ports[-1]))
         steps: list[int] = []
-        for before, way in pairwise(path):
-            index = [way.inputs.index(before)] if len(way.inputs) > 1 else []
-            steps = [*[_BEFORE] * way.is_first, *index, *steps]
+        for before, hop in pairwise(path):
+            index = [hop.inputs.index(before)] if len(hop.inputs) > 1 else []
+            steps = [*[_BEFORE] * hop.is_first, *index, *steps]
         self.steps = steps
         self.counts: dict[int, int] = {}
         self.last: _Origin = None
@@ -264,34 +264,34 @@ def _end_of(
     return end
 
 
-def _measure(way: _Way, chains: Sequence[_Chain], now: Callable[[], int]) -> None:
-    """Measure the samples of a way; `chains` end with it."""
-    next_origin = _next_origin(way, now)
-    if way.connector is None:
+def _measure(hop: _Hop, chains: Sequence[_Chain], now: Callable[[], int]) -> None:
+    """Measure the samples of a hop; `chains` end with it."""
+    next_origin = _next_origin(hop, now)
+    if hop.connector is None:
         end = _end_of(chains, now)
 
         def leave(_: Any) -> PortStatus:
             end(next_origin())
             return PORT_OK
 
-        way.out_port.add_outlet(leave)
+        hop.out_port.add_outlet(leave)
         return
-    publisher = way.connector.publisher
+    publisher = hop.connector.publisher
     if publisher is not None:
         waiting = _Samples()
         waiting.measure((), next_origin, now)
         waiting.replace(publisher.waiting)
         next_origin = lambda: waiting.origin  # noqa: E731
-    direct = publisher is None and len(way.inputs) == 1 and not way.is_first
-    only = way.inputs[0].samples if direct else None
-    begins = publisher is None and not way.inputs
-    way.samples.measure(chains, next_origin, now, only, begins)
-    way.samples.replace(way.connector.buffer)
+    direct = publisher is None and len(hop.inputs) == 1 and not hop.is_first
+    only = hop.inputs[0].samples if direct else None
+    begins = publisher is None and not hop.inputs
+    hop.samples.measure(chains, next_origin, now, only, begins)
+    hop.samples.replace(hop.connector.buffer)
 
 
-def _next_origin(way: _Way, now: Callable[[], int]) -> Callable[[], _Origin]:
+def _next_origin(hop: _Hop, now: Callable[[], int]) -> Callable[[], _Origin]:
     """Return a function that returns the origin of the next sample."""
-    match [each.samples for each in way.inputs], way.is_first:
+    match [each.samples for each in hop.inputs], hop.is_first:
         case [], _:
             return lambda: _Write(now())
         case [a], True:
@@ -306,8 +306,8 @@ def _next_origin(way: _Way, now: Callable[[], int]) -> Callable[[], _Origin]:
             return lambda: tuple([each.origin for each in inputs])
 
 
-class _Way(msgspec.Struct, eq=False):
-    """A connection, or the way out of the process (without `connector`).
+class _Hop(msgspec.Struct, eq=False):
+    """A connection, or the exit from the process (without `connector`).
 
     `source` and `target` are instances, None in another process. Nothing is made of the samples of
     one that `is_cut`.
@@ -323,14 +323,14 @@ class _Way(msgspec.Struct, eq=False):
     """That of the source in the order of the flow."""
     is_first: bool = False
     """Whether a chain begins with it."""
-    inputs: list[_Way] = []
-    """Ways of what its component reads."""
+    inputs: list[_Hop] = []
+    """Hops of what its component reads."""
     samples: _Samples = msgspec.field(default_factory=_Samples)
 
 
-def _ways(components: Mapping[str, Component], connectors: Iterable[Any]) -> list[_Way]:
-    """Return the ways of all samples, in the order of the flow."""
-    found = []
+def _hops(components: Mapping[str, Component], connectors: Iterable[Any]) -> list[_Hop]:
+    """Return the hops of all samples, in the order of the flow."""
+    hops = []
     inner = dict.fromkeys(
         each for each in connectors if isinstance(each, DataConnector)
     )
@@ -340,32 +340,32 @@ def _ways(components: Mapping[str, Component], connectors: Iterable[Any]) -> lis
         for port in component.out_ports.values():
             leaves = [c for c in port.connectors if c.target.owner not in components]
             if leaves or port._outlets:
-                way = _Way((str(port),), port.owner, None, port, None)
-                found.append(way)
+                hop = _Hop((str(port),), port.owner, None, port, None)
+                hops.append(hop)
     for each in inner:
         source, target = each.source, each.target
         if target.owner in components:
             owner = source.owner if source.owner in components else None
             ports = str(source), str(target)
-            found.append(_Way(ports, owner, target.owner, source, each))
-    order = in_order_of_flow([*components], [(w.source, w.target) for w in found])
+            hops.append(_Hop(ports, owner, target.owner, source, each))
+    order = in_order_of_flow([*components], [(w.source, w.target) for w in hops])
     places = {name: place for place, name in enumerate(order)}
-    for way in found:
-        if way.source is not None:
-            way.place = places[way.source]
-        way.is_cut = way.target is not None and places[way.target] <= way.place
-    return sorted(found, key=lambda way: way.place)
+    for hop in hops:
+        if hop.source is not None:
+            hop.place = places[hop.source]
+        hop.is_cut = hop.target is not None and places[hop.target] <= hop.place
+    return sorted(hops, key=lambda hop: hop.place)
 
 
-def _longest_paths(ways: Sequence[_Way], most: int) -> list[tuple[_Way, ...]]:
-    """Return the longest chains, longest first. `ways` are in the order of the flow."""
-    writers = {way.source for way in ways}
-    inputs: dict[str | None, list[_Way]] = {}
-    length: dict[_Way, int] = {}
+def _longest_paths(hops: Sequence[_Hop], most: int) -> list[tuple[_Hop, ...]]:
+    """Return the longest chains, longest first. `hops` are in the order of the flow."""
+    writers = {hop.source for hop in hops}
+    inputs: dict[str | None, list[_Hop]] = {}
+    length: dict[_Hop, int] = {}
     number = count()
-    begun: list[tuple[int, int, int, tuple[_Way, ...], bool]] = []
+    begun: list[tuple[int, int, int, tuple[_Hop, ...], bool]] = []
 
-    def begin(path: tuple[_Way, ...]) -> None:
+    def begin(path: tuple[_Hop, ...]) -> None:
         """Add a path to those that go on to the left; that of a cycle is complete as well."""
         first, last, size = path[0], path[-1], len(path)
         # Of equal ones, that which is nearly complete goes on, so that few are begun.
@@ -374,23 +374,23 @@ def _longest_paths(ways: Sequence[_Way], most: int) -> list[tuple[_Way, ...]]:
         if last.is_cut and first.source == last.target and before(first):
             heappush(begun, (-size, -size, next(number), path, True))
 
-    def before(way: _Way) -> Sequence[_Way]:
-        return inputs.get(way.source, ()) if way.source is not None else ()
+    def before(hop: _Hop) -> Sequence[_Hop]:
+        return inputs.get(hop.source, ()) if hop.source is not None else ()
 
-    for way in ways:
-        length[way] = 1 + max((length[each] for each in before(way)), default=0)
-        if way.target is not None and not way.is_cut:
-            inputs.setdefault(way.target, []).append(way)
-    for way in ways:
-        if way.is_cut or way.target is None or way.target not in writers:
-            begin((way,))
-    found: list[tuple[_Way, ...]] = []
-    while begun and len(found) < most:
+    for hop in hops:
+        length[hop] = 1 + max((length[each] for each in before(hop)), default=0)
+        if hop.target is not None and not hop.is_cut:
+            inputs.setdefault(hop.target, []).append(hop)
+    for hop in hops:
+        if hop.is_cut or hop.target is None or hop.target not in writers:
+            begin((hop,))
+    chains: list[tuple[_Hop, ...]] = []
+    while begun and len(chains) < most:
         *_, path, is_complete = heappop(begun)
         if is_complete or not before(path[0]):
             if path[0].connector is not None:
-                found.append(path)
+                chains.append(path)
             continue
-        for way in before(path[0]):
-            begin((way, *path))
-    return found
+        for hop in before(path[0]):
+            begin((hop, *path))
+    return chains
