@@ -12,6 +12,7 @@ from rtgen.cli.help import grouped
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.facts.threads import Threads
 from rtgen.facts.value_checks import CheckValues
+from rtgen.tools.recording.mcap_writer import COMPRESSIONS
 from rtgen.tools.running.failures import FailureOptions
 from rtgen.tools.running.live_options import LiveOptions
 from rtgen.tools.running.recording_options import RecordingOptions
@@ -181,7 +182,7 @@ def with_recording(command: Callable[..., int]) -> Callable[..., int]:
         ),
         click.option(
             "--compression",
-            type=click.Choice(["zstd", "lz4", "none"]),
+            type=click.Choice(COMPRESSIONS),
             metavar="NAME",
             help="Of --record: zstd (default), lz4 or none.",
         ),

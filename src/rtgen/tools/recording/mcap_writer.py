@@ -22,6 +22,7 @@ from rtgen.runtime.closable import Closable
 from rtgen.tools.recording.errors import UnavailableError
 
 COMPRESSIONS: Final = ("zstd", "lz4", "none")
+"""Names of compressions; the first one is the default."""
 CHUNK: Final = 1 << 18
 """Minimum octets of a chunk before compression; a killed process loses at most one chunk."""
 METADATA: Final = "rtgen"
