@@ -26,6 +26,9 @@ const UNITS = /^(?:[^\p{L}]|\b(?:Hz|NMT|kbit\/s|kbit|km?|m|cm|mm|m\/s|rad\/s|rad
 /** A constant with two words is a text, wherever it stands. */
 const PROSE = /(?<![\w.:(=-])\p{L}{2,}[,;:.]? \p{Ll}{2,}/u;
 
+/** A number before the plural of a noun, which would stand after 1 as well. */
+const COUNTED = /\{count\} \p{Ll}+s\b|\{(\w+s)\} \1\b/u;
+
 /** Names under which the browser stores something. */
 const STORED = /^rtgen [a-z]+$/;
 
@@ -119,7 +122,8 @@ for (const file of readdirSync(SOURCES, { recursive: true }).map((each) => each.
     const given = values?.type === "ObjectExpression" ? values.properties.map((each) => each.key?.name) : [];
     for (const [where, text] of found) {
       texts.push([at(where), text]);
-      for (const [, name] of text.matchAll(/\{(\w+)\}/g)) if (!given.includes(name)) flaws.push([at(where), `no value of {${name}}`]);
+      for (const [, name] of text.matchAll(/\{(\w+)[:}]/g)) if (!given.includes(name)) flaws.push([at(where), `no value of {${name}}`]);
+      if (COUNTED.test(text)) flaws.push([at(where), `a plural for 1: ${text}`]);
     }
     walk(values);
   };

@@ -72,6 +72,7 @@ export function App() {
     },
     [arranger],
   );
+  const plot = useCallback(() => open("Plots"), [open]);
   const inspect = useCallback(
     (subject: Subject | undefined) => {
       setSubject(subject);
@@ -190,9 +191,9 @@ export function App() {
         {view === "Plots" ? (
           <Plots system={system} />
         ) : view === "Map" ? (
-          <MapView system={system} />
+          <MapView system={system} plot={plot} />
         ) : view === "Drive" ? (
-          <Drive system={system} full={full} map={!isWide || !isSeen(panes, "Map")} />
+          <Drive system={system} full={full} map={!isWide || !isSeen(panes, "Map")} plot={plot} />
         ) : view === "Buses" ? (
           <BusView system={system} full={full} />
         ) : view === "Boards" ? (
@@ -200,7 +201,7 @@ export function App() {
         ) : view === "Console" ? (
           <Console said={page.said} />
         ) : (
-          <Timeline lines={page.lines} />
+          <Timeline lines={page.lines} system={system} />
         )}
       </div>
     );
@@ -272,7 +273,7 @@ export function App() {
             )}
           </p>
         )}
-        {system && <Compare system={system} selected={selected} full={full} open={() => open("Plots")} />}
+        {system && <Compare system={system} selected={selected} full={full} open={plot} />}
         {system && <TimeBar system={system} full={full} lines={page.lines} live={page.link === "live"} playing={page.playing} brief={isPhone && shown !== "Timeline"} />}
         {system && !isWide && (
           <Bar shown={shown} show={open} emptiness={emptinessOf}>

@@ -1,6 +1,7 @@
 /** Calls to TECS boards: octets of request and reply, and a histogram of round trips. */
 
 import { useState } from "react";
+import { briefly, duration } from "./numbers.ts";
 import type { BoardCall } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
@@ -33,14 +34,14 @@ export function CallTable({ calls }: { calls: readonly BoardCall[] }) {
                 {call.time.toFixed(3)}
               </th>
               <td className="octets">{hexadecimal(call.request)}</td>
-              <td className="text">
-                {call.function ? <strong>{call.function}</strong> : t("request")} <bdi>{listed(call.request_values)}</bdi>
+              <td className="text" title={listed(call.request_values)}>
+                {call.function ? <strong>{call.function}</strong> : t("request")} <bdi>{briefly(listed(call.request_values))}</bdi>
               </td>
             </tr>
             <tr>
               <td className="octets">{hexadecimal(call.reply)}</td>
-              <td className="text">
-                {call.error ? <span className="reason">{call.error}</span> : listed(call.reply_values) || (call.function ? t("no values") : printable(call.reply))}
+              <td className="text" title={listed(call.reply_values)}>
+                {call.error ? <span className="reason">{call.error}</span> : briefly(listed(call.reply_values)) || (call.function ? t("no values") : printable(call.reply))}
               </td>
             </tr>
           </tbody>
@@ -62,8 +63,6 @@ export function histogram(trips: readonly number[]): { edges: number[]; counts: 
   return { edges, counts };
 }
 
-const micro = (seconds: number): string => `${Number((seconds * 1e6).toPrecision(3))} µs`;
-
 /** The measured round trips of calls. */
 export function Histogram({ calls }: { calls: readonly BoardCall[] }) {
   const trips = calls.map((each) => each.round_trip).filter((each) => each >= 0);
@@ -75,13 +74,13 @@ export function Histogram({ calls }: { calls: readonly BoardCall[] }) {
   const width = 360 / counts.length;
   return (
     <figure>
-      <svg className="histogram" viewBox="0 0 360 130" role="img" aria-label={t("Round trips of {count} calls, mean {mean}", { count: trips.length, mean: micro(mean) })}>
+      <svg className="histogram" viewBox="0 0 360 130" role="img" aria-label={t("Round trips of {count} {count:call|calls}, mean {mean}", { count: trips.length, mean: duration(mean) })}>
         {counts.map((count, i) => {
           const height = (count / highest) * 100;
           return (
             <g key={i}>
               <rect x={i * width + 1} y={112 - height} width={width - 2} height={height}>
-                <title>{t("{least} to {most}: {count}", { least: micro(edges[i]!), most: micro(edges[i + 1]!), count })}</title>
+                <title>{t("{least} to {most}: {count}", { least: duration(edges[i]!), most: duration(edges[i + 1]!), count })}</title>
               </rect>
               {count > 0 && (
                 <text x={(i + 0.5) * width} y={109 - height} textAnchor="middle">
@@ -92,14 +91,14 @@ export function Histogram({ calls }: { calls: readonly BoardCall[] }) {
           );
         })}
         <text x="0" y="126">
-          {micro(edges[0]!)}
+          {duration(edges[0]!)}
         </text>
         <text x="360" y="126" textAnchor="end">
-          {counts.length > 1 && t("from {least} to {most}", { least: micro(edges.at(-2)!), most: micro(edges.at(-1)!) })}
+          {counts.length > 1 && t("from {least} to {most}", { least: duration(edges.at(-2)!), most: duration(edges.at(-1)!) })}
         </text>
       </svg>
       <figcaption>
-        {t("Round trips of {count} calls: mean {mean}, spread {spread}, least {least}, most {most}", { count: trips.length, mean: micro(mean), spread: micro(spread), least: micro(edges[0]!), most: micro(edges.at(-1)!) })}
+        {t("Round trips of {count} {count:call|calls}: mean {mean}, spread {spread}, least {least}, most {most}", { count: trips.length, mean: duration(mean), spread: duration(spread), least: duration(edges[0]!), most: duration(edges.at(-1)!) })}
       </figcaption>
     </figure>
   );

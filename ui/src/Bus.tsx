@@ -12,6 +12,7 @@ import type { Line } from "./lines.ts";
 import { linesOf } from "./lines.ts";
 import { Menu } from "./Menu.tsx";
 import type { Place } from "./Menu.tsx";
+import { briefly } from "./numbers.ts";
 import { Objects } from "./Objects.tsx";
 import { Plot, Span } from "./Plot.tsx";
 import type { Bus, SystemState } from "./protocol/Ui.ts";
@@ -103,7 +104,7 @@ function Load({ bus }: { bus: Bus }) {
               <span>{t("load {load}", { load: percent(last.load) })}</span>
             </>
           )}
-          <span>{t("{count} frames/s", { count: last.frames })}</span>
+          <span>{t("{count} {count:frame|frames}/s", { count: last.frames })}</span>
         </>
       ) : (
         <span>{t("load not measured yet")}</span>
@@ -171,7 +172,7 @@ function Frames({ frames, caption, counted = false }: { frames: readonly Seen[];
                 <td className="octets">
                   <Octets seen={seen} />
                 </td>
-                <td className="text">{wordsOf(frame)}</td>
+                <td className="text" title={wordsOf(frame)}>{briefly(wordsOf(frame))}</td>
               </tr>
             );
           })}
@@ -267,7 +268,7 @@ function Signals({ bus }: { bus: string }) {
                   </label>
                 </th>
                 <td className="octets hex">{hexOf(numbers.at(-1))}</td>
-                <td className="text">{text}</td>
+                <td className="text" title={text}>{briefly(text)}</td>
               </tr>
             ))}
           </tbody>

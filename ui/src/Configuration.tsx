@@ -1,10 +1,11 @@
 /** Configuration sets: parameters edited by the widgets that their definitions name. */
 
 import { useState } from "react";
+import { Elsewhere } from "./Elsewhere.tsx";
 import { Name } from "./kit/Name.tsx";
 import { Refusable } from "./kit/Refusable.tsx";
 import type { Refused } from "./kit/Refusable.tsx";
-import type { Component, Parameter } from "./protocol/Ui.ts";
+import type { Component, Parameter, SystemState } from "./protocol/Ui.ts";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
 
@@ -187,14 +188,14 @@ function Choice({ choices, said, ...slot }: Slot & { choices: readonly string[] 
   );
 }
 
-export function Configuration({ component, full }: { component: Component; full: boolean }) {
+export function Configuration({ system, component, full, select }: { system: SystemState; component: Component; full: boolean; select: (instance: string) => void }) {
   const [shown, show] = useState("");
   const [fresh, setFresh] = useState("");
   const [refused, refuse] = useState({ name: "", reason: "" });
   const name = component.configuration_sets.some((each) => each.name === shown) ? shown : component.active_set;
   const set = component.configuration_sets.find((each) => each.name === name);
   const [first] = component.parameters;
-  if (!first) return <p>{t("This component has no parameters.")}</p>;
+  if (!first) return <Elsewhere reason={t("This component has no parameters.")} system={system} has={(each) => each.parameters.length > 0} select={select} />;
   const valueOf = (parameter: Parameter) => set?.values.find((each) => each.name === parameter.name)?.text ?? parameter.default_value;
   const put = (set: string, parameter: Parameter, text: string) =>
     store.attempt({ case: "setting", value: { instance: component.instance, set, parameter: parameter.name, text } });

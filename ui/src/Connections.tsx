@@ -101,7 +101,7 @@ export function Connections({ system, component, full, chosen, choose }: { syste
             ))}
           </ul>
           <details>
-            <summary>{t("{count} ports do not fit", { count: refused.length })}</summary>
+            <summary>{t("{count} {count:port does|ports do} not fit", { count: refused.length })}</summary>
             <ul className="refusals" aria-label={t("Ports that do not fit {here}", { here: named(here) })}>
               {refused.map((each) => (
                 <li key={named(each.port)}>

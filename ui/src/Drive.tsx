@@ -236,7 +236,7 @@ function Limit({ label, unit, value, set }: { label: string; unit: string; value
 }
 
 /** `map`: whether the map is below the stick, since it is not seen elsewhere. */
-export function Drive({ system, full, map }: { system: SystemState; full: boolean; map: boolean }) {
+export function Drive({ system, full, map, plot }: { system: SystemState; full: boolean; map: boolean; plot: () => void }) {
   const [name, choose] = useState("");
   const [speed, setSpeed] = useState(0.3);
   const [rate, setRate] = useState(0.5);
@@ -273,7 +273,7 @@ export function Drive({ system, full, map }: { system: SystemState; full: boolea
       ) : (
         <p>{known.length ? t("Choose the port that gets the commands.") : t("No port takes travel commands.")}</p>
       )}
-      {map && <MapView system={system} />}
+      {map && <MapView system={system} plot={plot} />}
     </>
   );
 }

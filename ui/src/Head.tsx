@@ -4,11 +4,12 @@ import { CircleHelp, Command as CommandIcon, Languages as LanguagesIcon, LayoutP
 import { useEffect, useState } from "react";
 import { Button, IconButton } from "./kit/Button.tsx";
 import { Question } from "./kit/Dialog.tsx";
+import { Refusable } from "./kit/Refusable.tsx";
 import { Menu } from "./Menu.tsx";
 import type { Place } from "./Menu.tsx";
 import type { EditState, SystemState } from "./protocol/Ui.ts";
 import type { Page } from "./store.ts";
-import { obstacleToAll, store } from "./store.ts";
+import { obstacleToAll, reasonOf, store } from "./store.ts";
 import { LANGUAGES, language, languages, t } from "./texts.ts";
 import type { View } from "./views.ts";
 import { LAYOUTS, PRESETS, obstacleToPreset } from "./views.ts";
@@ -39,6 +40,7 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
   const [edited, edit] = useState<string>();
   const [question, ask] = useState<string>();
   const [said, say] = useState("");
+  const [refused, refuse] = useState("");
   const name = edited ?? edits.file;
   const enabled = full && name.trim() !== "" && (!edits.saved || name !== edits.file);
   useEffect(() => {
@@ -47,12 +49,12 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
   }, [said]);
   const save = async (asked: "file" | "replaced") => {
     const result = await store.ask({ case: asked, value: name.trim() });
-    const message = [result.message, result.hint].filter(Boolean).join(": ");
     if (result.code === QUESTION) {
-      ask(message);
+      ask(reasonOf(result));
       return;
     }
-    store.notify(result.done ? "" : message);
+    refuse(reasonOf(result));
+    store.refuse(reasonOf(result));
     if (!result.done) return;
     edit((now) => (now === name ? undefined : now));
     say([t("Saved {file}", { file: name.trim() }), result.text].filter(Boolean).join("; "));
@@ -66,20 +68,28 @@ function Save({ edits, full }: { edits: EditState; full: boolean }) {
           if (enabled) void save("file");
         }}
       >
-        <textarea
-          aria-label={t("File of the system")}
-          placeholder={t("system.xml")}
-          rows={1}
-          title={name}
-          disabled={!full}
-          value={name}
-          onChange={(e) => edit(e.target.value.replace(/[\r\n]/g, ""))}
-          onKeyDown={(e) => {
-            if (e.key !== "Enter") return;
-            e.preventDefault();
-            e.currentTarget.form!.requestSubmit();
-          }}
-        />
+        <Refusable reason={refused}>
+          {(said) => (
+            <textarea
+              {...said}
+              aria-label={t("File of the system")}
+              placeholder={t("system.xml")}
+              rows={1}
+              title={name}
+              disabled={!full}
+              value={name}
+              onChange={(e) => {
+                edit(e.target.value.replace(/[\r\n]/g, ""));
+                refuse("");
+              }}
+              onKeyDown={(e) => {
+                if (e.key !== "Enter") return;
+                e.preventDefault();
+                e.currentTarget.form!.requestSubmit();
+              }}
+            />
+          )}
+        </Refusable>
         <Button type="submit" look={enabled && !edits.saved ? "primary" : "quiet"} aria-disabled={!enabled}>
           {t("Save")}
         </Button>

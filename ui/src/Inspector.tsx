@@ -225,7 +225,7 @@ function Wire({ system, connection, full, select, inspect }: Common & { connecti
       {flow && flow.lost > 0n && (
         <>
           <p className="late">
-            {t("{count} samples lost: {details}", { count: flow.lost, details: flow.details })}
+            {t("{count} {count:sample|samples} lost: {details}", { count: flow.lost, details: flow.details })}
           </p>
           <Loss system={system} connection={connection} />
         </>

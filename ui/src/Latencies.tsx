@@ -1,6 +1,7 @@
 /** Latencies of samples along chains of connections. */
 
 import type { Subject } from "./Inspector.tsx";
+import { duration } from "./numbers.ts";
 import type { Chain, Connection, SystemState } from "./protocol/Ui.ts";
 import { t } from "./texts.ts";
 
@@ -9,14 +10,8 @@ const MOST = 6;
 
 const end = ({ instance, port }: Connection["source"]) => `${instance}.${port}`;
 
-/** A time in the unit that suits it. */
-function duration(seconds: number): string {
-  if (seconds >= 1) return `${seconds.toFixed(2)} s`;
-  return seconds >= 0.001 ? `${(1000 * seconds).toFixed(1)} ms` : `${(1e6 * seconds).toFixed(0)} µs`;
-}
-
 export const times = ({ samples, median, late, greatest }: Chain): string =>
-  samples ? t("median {median}, 99 % {late}, at most {greatest}, {samples} samples", { median: duration(median), late: duration(late), greatest: duration(greatest), samples }) : t("no sample has come through yet");
+  samples ? t("median {median}, 99 % {late}, at most {greatest}, {samples} {samples:sample|samples}", { median: duration(median), late: duration(late), greatest: duration(greatest), samples }) : t("no sample has come through yet");
 
 /** The chains that go along a connection. */
 export function chainsOf(chains: readonly Chain[], { source, target }: Connection): Chain[] {

@@ -8,7 +8,7 @@ import type { Layer, Measured, View } from "./draw.ts";
 import { distance, draw, fitted, metres, round } from "./draw.ts";
 import type { Figure, Pose, Reader } from "./figures.ts";
 import { placed, reader } from "./figures.ts";
-import { IconButton } from "./kit/Button.tsx";
+import { Button, IconButton } from "./kit/Button.tsx";
 import type { Channel, SystemState } from "./protocol/Ui.ts";
 import type { Track } from "./store.ts";
 import { store } from "./store.ts";
@@ -145,11 +145,11 @@ const place = ({ x, y, heading }: Pose): string => `x ${fixed(x, 3)} m, y ${fixe
 
 /** A layer in words. */
 function words({ kind, pose, path, points, frame, grid }: Layer): string {
-  if (grid) return t("{columns} × {rows} cells of {width}", { columns: grid.columns, rows: grid.rows, width: metres(grid.width) });
-  if (points.length) return t("{count} points around {frame}", { count: points.length, frame });
+  if (grid) return t("{columns} × {rows} {rows:cell|cells} of {width}", { columns: grid.columns, rows: grid.rows, width: metres(grid.width) });
+  if (points.length) return t("{count} {count:point|points} around {frame}", { count: points.length, frame });
   if (pose) return kind === "goal" ? t("goal at {place}", { place: place(pose) }) : place(pose);
   const last = path.at(-1);
-  return last ? t("{count} poses to {place}", { count: path.length, place: place(last) }) : t("no sample yet");
+  return last ? t("{count} {count:pose|poses} to {place}", { count: path.length, place: place(last) }) : t("no sample yet");
 }
 
 const measuredWords = (measured: Measured): string => {
@@ -162,7 +162,7 @@ const STEP = 40;
 /** The greatest way of a press that is no drag [px]. */
 const STILL = 4;
 
-export function MapView({ system }: { system: SystemState }) {
+export function MapView({ system, plot }: { system: SystemState; plot: () => void }) {
   const canvas = useRef<HTMLCanvasElement>(null);
   const scene = useRef(new Scene());
   const view = useRef<View>(undefined);
@@ -290,7 +290,13 @@ export function MapView({ system }: { system: SystemState }) {
   }, [all.length > 0]);
   const bodies = shown.filter((each) => each.reader.kind === "pose");
 
-  if (!all.length) return <p>{t("No port has poses, paths, scans or grids.")}</p>;
+  if (!all.length)
+    return (
+      <>
+        <p>{t("No port has poses, paths, scans or grids.")}</p>
+        <Button onClick={plot}>{t("Plots of numbers")}</Button>
+      </>
+    );
   return (
     <section className="map" aria-label={t("Map")}>
       <div className="toolbar">

@@ -35,7 +35,7 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
       {system.doc && <p>{system.doc}</p>}
       <section aria-label={t("Components by state")} className="card">
         <h2>
-          {t("{components} components, {connections} connections", { components: components.length, connections: connections.length })}
+          {t("{components} {components:component|components}, {connections} {connections:connection|connections}", { components: components.length, connections: connections.length })}
         </h2>
         {!components.length && <p>{t("The system has no components yet.")}</p>}
         <p className="toolbar">
@@ -55,14 +55,14 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
             {t("Late:")}{" "}
             {late.map((each) => (
               <span key={each.instance}>
-                {chosen(each.instance)} {t("{count} overruns", { count: statistics.get(each.instance)!.overruns })}{" "}
+                {chosen(each.instance)} {t("{count} {count:overrun|overruns}", { count: statistics.get(each.instance)!.overruns })}{" "}
               </span>
             ))}
           </p>
         )}
       </section>
       <section aria-label={t("Lost samples")} className="card">
-        <h2>{losing.length > 1 ? t("{count} connections lose samples", { count: losing.length }) : losing.length ? t("1 connection loses samples") : t("No connection loses samples")}</h2>
+        <h2>{losing.length ? t("{count} {count:connection loses|connections lose} samples", { count: losing.length }) : t("No connection loses samples")}</h2>
         <ul className="plainlist">
           {losing.slice(0, MOST).map((each) => (
             <li key={each.name}>
@@ -83,7 +83,7 @@ export function Overview({ system, select, inspect }: { system: SystemState; sel
             const load = traffic.loads.get(bus.name)?.at(-1)?.load;
             return (
               <p key={bus.name}>
-                <bdi>{bus.name}</bdi>: {t("{count} nodes", { count: bus.nodes.length })}{load !== undefined && t(", load {value} %", { value: (100 * load).toFixed(1) })}
+                <bdi>{bus.name}</bdi>: {t("{count} {count:node|nodes}", { count: bus.nodes.length })}{load !== undefined && t(", load {value} %", { value: (100 * load).toFixed(1) })}
                 {bus.computed_load >= 0 && t(", computed {value} %", { value: (100 * bus.computed_load).toFixed(1) })}
               </p>
             );

@@ -9,6 +9,7 @@ import { Pencil } from "lucide-react";
 import { IconButton } from "./kit/Button.tsx";
 import { Inspector } from "./Inspector.tsx";
 import type { Subject } from "./Inspector.tsx";
+import { duration } from "./numbers.ts";
 import { Overview } from "./Overview.tsx";
 import type { Statistics } from "./store.ts";
 import { Values } from "./Values.tsx";
@@ -28,8 +29,8 @@ function BoardOf({ instance, open }: { instance: string; open: (view: View) => v
     <section className="card" aria-label={t("Board")}>
       <h2>{t("Board")}</h2>
       <p>
-        {t("{count} calls", { count: calls.length })}
-        {trips.length > 0 && t(", {mean} µs each", { mean: ((1e6 * trips.reduce((sum, each) => sum + each, 0)) / trips.length).toPrecision(3) })}
+        {t("{count} {count:call|calls}", { count: calls.length })}
+        {trips.length > 0 && t(", {mean} each", { mean: duration(trips.reduce((sum, each) => sum + each, 0) / trips.length) })}
         {t(", the last {name} at {time} s", { name: last.function || t("of unknown function"), time: last.time.toFixed(3) })}
       </p>
       {failed.length > 0 && (
@@ -87,7 +88,7 @@ export function Panel(props: {
                 {!each.running && t(", stopped")}
               </Fragment>
             ))}
-            {statistics && together(t(", {ticks} ticks, {overruns} overruns, {lost} lost", { ticks: statistics.ticks, overruns: statistics.overruns, lost: statistics.lost }))}
+            {statistics && together(t(", {ticks} {ticks:tick|ticks}, {overruns} {overruns:overrun|overruns}, {lost} lost", { ticks: statistics.ticks, overruns: statistics.overruns, lost: statistics.lost }))}
           </p>
           {system.beside && store.page.beside.has(component.instance) && <p>{t("beside: {state}", { state: store.page.beside.get(component.instance)! })}</p>}
           {component.silent && <p className="reason">{component.silent}</p>}
@@ -114,13 +115,13 @@ export function Panel(props: {
       {!component ? (
         <Overview system={system} select={select} inspect={inspect} />
       ) : view === "Values" ? (
-        <Values key={component.instance} system={system} component={component} />
+        <Values key={component.instance} {...{ system, component, select }} />
       ) : view === "Connections" ? (
         <Connections key={component.instance} system={system} component={component} full={full} chosen={port} choose={choosePort} />
       ) : view === "Services" ? (
-        <Services key={component.instance} component={component} full={full} />
+        <Services key={component.instance} {...{ system, component, full, select }} />
       ) : (
-        <Configuration key={component.instance} component={component} full={full} />
+        <Configuration key={component.instance} {...{ system, component, full, select }} />
       )}
     </aside>
   );

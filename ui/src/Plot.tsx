@@ -9,6 +9,7 @@ import type { Curve } from "./curves.ts";
 import { FIRST, csv, figuresOf, inPictures, joined, labelOf, stampOf, until, valueAt } from "./curves.ts";
 import { IconButton } from "./kit/Button.tsx";
 import { Name } from "./kit/Name.tsx";
+import { brief } from "./numbers.ts";
 import { store } from "./store.ts";
 import { t } from "./texts.ts";
 
@@ -81,8 +82,6 @@ function shownTimes(first: number, last: number): [number, number] {
   return zoom ? [...zoom] : [span ? Math.max(first, last - span) : first, last];
 }
 
-const brief = (value: number): string => (Number.isNaN(value) ? "" : Math.abs(value) >= 1e7 ? value.toExponential(3) : String(Number(value.toPrecision(5))));
-
 /** Whether the page is dark; its change creates new plots, whose axes have its colours. */
 const dark = matchMedia("(prefers-color-scheme: dark)");
 
@@ -126,8 +125,9 @@ function options(curves: readonly Curve[], text: string, size: { width: number; 
     hooks: {
       setCursor: [
         (plot) => {
-          const { left = -1 } = plot.cursor;
-          if (left >= 0) cursor.point(plot.posToVal(left, "x"), plot);
+          // A plot whose data change also has the cursor that follows that of another one.
+          const { left = -1, event } = plot.cursor;
+          if (left >= 0 && event && event.type !== "mouseleave") cursor.point(plot.posToVal(left, "x"), plot);
           else if (cursor.owner === plot) cursor.point(undefined);
         },
       ],
@@ -176,6 +176,10 @@ function Picture({ source, read, label, zero, keep }: { source: string; read: ()
     let made = "";
     let drawn = "";
     let frame = 0;
+    const end = () => {
+      if (plot && cursor.owner === plot) cursor.point(undefined);
+      plot?.destroy();
+    };
     const draw = () => {
       frame = requestAnimationFrame(draw);
       const curves = reading.current();
@@ -184,7 +188,7 @@ function Picture({ source, read, label, zero, keep }: { source: string; read: ()
       const now = [dark.matches, ...curves.map((each) => `${labelOf(each)} ${each.colour}`)].join();
       const stamp = `${store.page.span} ${store.page.zoom} ${stampOf(curves)}`;
       if (!plot || now !== made) {
-        plot?.destroy();
+        end();
         made = now;
         plot = new uPlot(options(curves, getComputedStyle(place.current).color, size, zero), joined(curves), place.current);
         keep(plot);
@@ -202,8 +206,7 @@ function Picture({ source, read, label, zero, keep }: { source: string; read: ()
     draw();
     return () => {
       cancelAnimationFrame(frame);
-      if (plot && cursor.owner === plot) cursor.point(undefined);
-      plot?.destroy();
+      end();
       keep(undefined);
     };
   }, [source]);

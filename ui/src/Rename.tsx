@@ -83,7 +83,7 @@ export function Rename({ system, instance, close, select }: { system: SystemStat
         {changes && (
           <section aria-label={t("What changes")} className="changes" tabIndex={0}>
             <p>
-              {t(changes.length === 1 ? "One file changes, what is generated from them follows, and the run begins again. Undo takes it back." : "{count} files change, what is generated from them follows, and the run begins again. Undo takes it back.", { count: changes.length })}
+              {t("{count} {count:file changes|files change}, what is generated follows, and the run begins again. Undo takes it back.", { count: changes.length })}
             </p>
             <Changes changes={changes} />
           </section>

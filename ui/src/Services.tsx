@@ -2,10 +2,11 @@
 
 import { useEffect, useState } from "react";
 import { CallTable, Histogram } from "./Board.tsx";
+import { Elsewhere } from "./Elsewhere.tsx";
 import { Form, Refusal } from "./Form.tsx";
 import type { Draft } from "./draft.ts";
 import { DraftError, draft, finish } from "./draft.ts";
-import type { BoardCall, Component, Operation, PortAddress, Result } from "./protocol/Ui.ts";
+import type { BoardCall, Component, Operation, PortAddress, Result, SystemState } from "./protocol/Ui.ts";
 import { CdrError, deserialize, serialize } from "./protocol/_cdr.ts";
 import { rich } from "./rich.tsx";
 import { leaves, reasonOf, store } from "./store.ts";
@@ -151,9 +152,11 @@ function OperationForm(props: { port: PortAddress; interfaceName: string; operat
   );
 }
 
-export function Services({ component, full }: { component: Component; full: boolean }) {
-  const provided = component.ports.flatMap((port) => port.interfaces.filter((each) => each.provided).map((each) => ({ port, each })));
-  if (!provided.length) return <p>{t("This component provides no service.")}</p>;
+const servicesOf = (component: Component) => component.ports.flatMap((port) => port.interfaces.filter((each) => each.provided).map((each) => ({ port, each })));
+
+export function Services({ system, component, full, select }: { system: SystemState; component: Component; full: boolean; select: (instance: string) => void }) {
+  const provided = servicesOf(component);
+  if (!provided.length) return <Elsewhere reason={t("This component provides no service.")} system={system} has={(each) => servicesOf(each).length > 0} select={select} />;
   return provided.map(({ port, each }) => (
     <section key={`${port.name} ${each.name}`} aria-label={`${port.name} ${each.type}`}>
       <h2>

@@ -3,6 +3,7 @@
 import { GitCompareArrows, Pause, Play, Rewind, StepForward } from "lucide-react";
 import { memo, useEffect, useState } from "react";
 import { Button, IconButton } from "./kit/Button.tsx";
+import { Refusable } from "./kit/Refusable.tsx";
 import { Menu } from "./Menu.tsx";
 import type { Place } from "./Menu.tsx";
 import type { PlannedEvent, SystemState } from "./protocol/Ui.ts";
@@ -114,6 +115,46 @@ const Marks = memo(function Marks({ marks, first, end }: { marks: readonly Mark[
   );
 });
 
+/** Sets the time; what is no time is refused at the field. */
+function Go({ full }: { full: boolean }) {
+  const [goal, setGoal] = useState("");
+  const [refused, refuse] = useState("");
+  const go = async () => {
+    const time = goal.trim() ? Number(goal) : NaN;
+    refuse(Number.isFinite(time) ? await store.attempt({ case: "time", value: time }) : t("{text} is not a number", { text: JSON.stringify(goal) }));
+  };
+  return (
+    <form
+      className="group"
+      onSubmit={(e) => {
+        e.preventDefault();
+        void go();
+      }}
+    >
+      <Refusable reason={refused}>
+        {(said) => (
+          <input
+            {...said}
+            aria-label={t("Go to time in seconds")}
+            placeholder={t("time [s]")}
+            inputMode="decimal"
+            size={6}
+            value={goal}
+            disabled={!full}
+            onChange={(e) => {
+              setGoal(e.target.value);
+              refuse("");
+            }}
+          />
+        )}
+      </Refusable>
+      <Button type="submit" disabled={!full}>
+        {t("Go")}
+      </Button>
+    </form>
+  );
+}
+
 /** Opens a recording beside the run. */
 function Compare({ beside }: { beside: string }) {
   const [menu, show] = useState<Place>();
@@ -147,7 +188,6 @@ function marksOf(lines: readonly Line[], plan: readonly PlannedEvent[], now: num
 /** `brief`: what a phone has room for below another view. */
 export function TimeBar({ system, full, lines, live, playing, brief }: { system: SystemState; full: boolean; lines: readonly Line[]; live: boolean; playing: boolean; brief: boolean }) {
   const { time, plan, components } = system;
-  const [goal, setGoal] = useState("");
   const simulated = time.kind === "CLOCK_SIMULATED";
   const recording = time.kind === "CLOCK_RECORDING";
   /** Whether other processes run the system, whose next run can be compared with this one. */
@@ -201,20 +241,7 @@ export function TimeBar({ system, full, lines, live, playing, brief }: { system:
         </small>
       </div>
       <div className="toolbar">
-        {simulated && !brief && (
-            <form
-              className="group"
-              onSubmit={(e) => {
-                e.preventDefault();
-                if (goal.trim() && Number.isFinite(Number(goal))) void store.order({ case: "time", value: Number(goal) });
-              }}
-            >
-              <input aria-label={t("Go to time in seconds")} placeholder={t("time [s]")} inputMode="decimal" size={6} value={goal} onChange={(e) => setGoal(e.target.value)} disabled={!full} />
-              <Button type="submit" disabled={!full}>
-                {t("Go")}
-              </Button>
-            </form>
-        )}
+        {simulated && !brief && <Go full={full} />}
         {(simulated || elsewhere) && !brief && (
             <Button
               aria-pressed={kept}

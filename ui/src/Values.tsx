@@ -1,6 +1,7 @@
 /** The samples of a component's ports, and of those that its InPorts are connected to. */
 
 import { useMemo } from "react";
+import { Elsewhere } from "./Elsewhere.tsx";
 import { MemberPlot, portOf } from "./MemberPlot.tsx";
 import { usePlots } from "./members.ts";
 import { Span } from "./Plot.tsx";
@@ -9,7 +10,7 @@ import { rich } from "./rich.tsx";
 import { leaves, store } from "./store.ts";
 import { t } from "./texts.ts";
 
-export function Values({ system, component }: { system: SystemState; component: Component }) {
+export function Values({ system, component, select }: { system: SystemState; component: Component; select: (instance: string) => void }) {
   const plots = usePlots();
   const shown = useMemo(() => {
     const near = new Set(
@@ -20,7 +21,10 @@ export function Values({ system, component }: { system: SystemState; component: 
     return system.channels.filter((each) => each.port.instance === component.instance || near.has(portOf(each)));
   }, [system.connections, system.channels, component.instance]);
   const unknown = component.ports.filter((each) => component.place && each.kind === "PORT_OUT" && each.type_number < 0);
-  if (!shown.length && !unknown.length) return <p>{t("No port of this component has values.")}</p>;
+  if (!shown.length && !unknown.length) {
+    const writers = new Set(system.channels.map((each) => each.port.instance));
+    return <Elsewhere reason={t("No port of this component has values.")} system={system} has={(each) => writers.has(each.instance)} select={select} />;
+  }
   const sections = shown.filter((each) => !each.beside).map((channel) => {
     const name = portOf(channel);
     const other = shown.find((each) => each.beside && portOf(each) === name);

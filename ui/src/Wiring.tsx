@@ -86,7 +86,7 @@ function PortRow({ component, port, fits, joined }: { component: Component; port
 /** The overruns of a component, which change while nothing else of its box does. */
 function Late({ instance }: { instance: string }) {
   const overruns = useSyncExternalStore(store.subscribe, () => store.page.statistics.get(instance)?.overruns ?? 0n);
-  return overruns > 0n && <span className="late">{` ${t("{count} overruns", { count: overruns })}`}</span>;
+  return overruns > 0n && <span className="late">{` ${t("{count} {count:overrun|overruns}", { count: overruns })}`}</span>;
 }
 
 function ComponentBox({ data, selected }: NodeProps<Box>) {

@@ -75,6 +75,9 @@ export interface Figures {
   spread: number;
 }
 
+/** Sums of binary numbers are as far off, as a part of the greatest one. */
+const NOISE = 1e-12;
+
 /** Statistics of a curve in a range of time, in which each sample holds until the next; undefined without any. */
 export function figuresOf({ times, values }: Curve, [from, to]: readonly [number, number]): Figures | undefined {
   let [weight, least, most, mean, square] = [0, Infinity, -Infinity, 0, 0];
@@ -89,7 +92,10 @@ export function figuresOf({ times, values }: Curve, [from, to]: readonly [number
     mean += (off * held) / weight;
     square += held * off * (value - mean);
   }
-  return weight ? { least, most, mean, spread: Math.sqrt(square / weight) } : undefined;
+  if (!weight) return undefined;
+  const noise = NOISE * Math.max(Math.abs(least), Math.abs(most));
+  const withoutNoise = (value: number) => (Math.abs(value) < noise ? 0 : value);
+  return { least, most, mean: withoutNoise(mean), spread: withoutNoise(Math.sqrt(square / weight)) };
 }
 
 const quoted = (text: string): string => (/[",\r\n]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);

@@ -128,10 +128,10 @@ export function finish(table: TypeTable, type: number, value: Draft, path = ""):
       return String(value).length === 1 ? value : fail(t("one character is needed"));
     case "TYPE_STRING":
     case "TYPE_WSTRING":
-      return each.bound && String(value).length > each.bound ? fail(t("at most {count} characters", { count: each.bound })) : value;
+      return each.bound && String(value).length > each.bound ? fail(t("at most {count} {count:character|characters}", { count: each.bound })) : value;
     case "TYPE_SEQUENCE": {
       const parts = value as Draft[];
-      if (each.bound && parts.length > each.bound) fail(t("at most {count} elements", { count: each.bound }));
+      if (each.bound && parts.length > each.bound) fail(t("at most {count} {count:element|elements}", { count: each.bound }));
       const found = parts.map((part, i) => inner(each.element, part, `[${i}]`));
       const kind = node(table, each.element).kind;
       if (kind === "TYPE_OCTET") return Uint8Array.from(found as number[]);

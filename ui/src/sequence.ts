@@ -32,6 +32,6 @@ export function stepsOf(text: string): Step[] | string {
     if (!frame || !/^\d+(\.\d+)?$/.test(time)) return t("line {number}: a time in seconds and a frame are needed, as 0.5 181#0102", { number: i + 1 });
     steps.push({ time: Number(time), frame });
   }
-  if (steps.length > MAX_STEPS) return t("at most {count} frames", { count: MAX_STEPS });
+  if (steps.length > MAX_STEPS) return t("at most {count} {count:frame|frames}", { count: MAX_STEPS });
   return steps.sort((a, b) => a.time - b.time);
 }

@@ -449,7 +449,7 @@ export class Store {
         this.line(event.value.time, event.value.instance, `${kindOf(event.value.kind)}: ${event.value.text}`, FAILURES.includes(event.value.kind) ? "error" : "event");
         break;
       case "less":
-        this.page = { ...this.page, notice: t("This page is slow: {count} messages were left out.", { count: event.value.dropped }) };
+        this.page = { ...this.page, notice: t("This page is slow: {count} {count:message was|messages were} left out.", { count: event.value.dropped }) };
         break;
       case "reason":
         this.page = { ...this.page, notice: event.value };

@@ -51,12 +51,18 @@ function choose(wanted: Language): void {
 export const languages = (): { name: string; act: () => void }[] =>
   (Object.keys(LANGUAGES) as Language[]).filter((each) => each !== language).map((each) => ({ name: LANGUAGES[each], act: () => choose(each) }));
 
-const PLACE = /\{(\w+)\}/;
+/** The place of a value, `{count}`, or of words by a number, `{count:call|calls}`: the first ones for 1, else the others. */
+const PLACE = /\{(\w+(?::[^{}|]*\|[^{}|]*)?)\}/;
 
 /** A text in the reader's language, with each name of a value mapped between the texts around it. */
 export const filled = <T>(english: string, value: (name: string) => T): (string | T)[] =>
-  (texts[english] ?? english).split(PLACE).map((each, i) => (i % 2 ? value(each) : each));
+  (texts[english] ?? english).split(PLACE).map((each, i) => {
+    if (i % 2 === 0) return each;
+    const [name, one, others] = each.split(/[:|]/) as [string, string?, string?];
+    if (others === undefined) return value(name);
+    return String(value(name)) === "1" ? one! : others;
+  });
 
-/** A text, with values in the places of their names: `t("{count} calls", { count })`. */
+/** A text, with values in the places of their names: `t("{count} {count:call|calls}", { count })`. */
 export const t = (english: string, values: Readonly<Record<string, string | number | bigint>> = {}): string =>
   filled(english, (name) => String(values[name])).join("");

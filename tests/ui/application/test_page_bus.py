@@ -111,6 +111,21 @@ def test_a_filter_that_is_wrong_says_why(bus: Any, text: str) -> None:
     bus.locator("input[aria-invalid=true]").wait_for(state="detached")
 
 
+def test_values_of_frames_have_few_digits_and_titles_the_others(bus: Any) -> None:
+    field = bus.get_by_role("searchbox", name="Filter", exact=True)
+    field.fill("tpdo2")
+    cells = bus.get_by_role("table", name="Frames").locator("tbody td.text:last-child")
+    both = "all => all.map(each => [each.title, each.textContent])"
+
+    def shortened() -> list[str]:
+        return [text for title, text in cells.evaluate_all(both) if title != text]
+
+    until(bus, lambda: bool(shortened()))
+    numbers = re.findall(r"\d+\.\d+", " ".join(shortened()))
+    assert all(len(each.replace(".", "").lstrip("0")) <= 5 for each in numbers)
+    field.fill("")
+
+
 def test_identifiers_have_a_row_each_with_what_changes(bus: Any) -> None:
     bus.get_by_role("button", name="By identifier").click()
     frames = bus.get_by_role("table", name="Frames")

@@ -112,6 +112,7 @@ def test_the_wire_that_loses_samples_is_found_with_its_reason(walk: Walk) -> Non
     if play.is_visible():
         walk.press(play)
     lost = page.get_by_role("region", name="Lost samples")
+    lost.get_by_role("heading", name="1 connection loses samples").wait_for()
     lost.get_by_role("button", name=WIRE).wait_for()
     lost.get_by_text(
         "10 samples arrive between two ticks, and the buffer holds 2"

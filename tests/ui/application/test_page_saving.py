@@ -8,6 +8,7 @@ from shutil import copytree
 from typing import Any
 
 import pytest
+from page_flaws import flaws, violations
 from ui_bench import GOAL, QUIET, ROOT, until
 
 from rtgen.compiler.systems.reading import read_file
@@ -40,6 +41,11 @@ def test_by_keyboard_and_by_mouse(page: Any, session: Session) -> None:
     assert field.evaluate(fits)
     assert field.evaluate(high)
     save = page.get_by_role("button", name="Save", exact=True)
+    field.fill(str(Path(session.file).with_name("none") / "made.xml"))
+    save.click()
+    page.locator("header").get_by_role("alert").wait_for()
+    assert field.get_attribute("aria-invalid") == "true"
+    assert flaws(page) == violations(page) == []
     for number, by_mouse in enumerate((False, True)):
         file = Path(session.file).with_name(f"made{number}.xml")
         field.fill(str(file))

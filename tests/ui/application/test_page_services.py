@@ -59,7 +59,7 @@ def test_a_hundred_calls_are_a_histogram(services: Any) -> None:
     result = services.get_by_role("status", name="Result of identify")
     result.get_by_role("img", name="Round trips of 100 calls").wait_for()
     assert re.search(
-        r"100 calls: mean \d.* µs, spread .*, least .*, most", result.inner_text()
+        r"100 calls: mean \d.* [µm]s, spread .*, least .*, most", result.inner_text()
     )
     times.fill("1")
 

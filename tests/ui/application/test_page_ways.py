@@ -10,7 +10,7 @@ from typing import Any
 
 import pytest
 from heating_project import texts, write
-from page_flaws import violations
+from page_flaws import flaws, violations
 from ui_bench import (
     QUIET,
     WIDE,
@@ -145,6 +145,52 @@ def test_commands_are_found_by_their_names(page: Any, session: Session) -> None:
     field.fill("view timel")
     page.keyboard.press("Enter")
     page.get_by_role("tab", name="Timeline", selected=True).wait_for()
+    page.get_by_role("tab", name="Values").click()
+
+
+def test_the_timeline_has_what_was_planned(page: Any, session: Session) -> None:
+    go(page, session, 1.0)
+    page.get_by_role("tab", name="Timeline").click()
+    planned = page.locator("summary", has_text="planned, the next one at 2.000 s")
+    planned.click()
+    lines = page.get_by_role("list", name="Planned").get_by_role("listitem")
+    count = lines.count()
+    wire = "connect Heater0.temperature to Controller0.temperature"
+    lines.filter(has_text=wire).wait_for()
+    go(page, session, 3.2)
+    happened = page.get_by_role("list", name="Timeline")
+    happened.get_by_text(wire).wait_for()
+    page.locator("summary", has_text="2 planned, the next one at 3.500 s").wait_for()
+    assert 0 < lines.count() < count
+    page.get_by_label("Kind").select_option("events")
+    page.get_by_label("Component").last.select_option("Heater0")
+    happened.get_by_text(wire).wait_for()
+    happened.get_by_text("ACTIVE").first.wait_for(state="detached")
+    page.evaluate("location.hash = ''")
+    field = page.get_by_label("Go to time in seconds")
+    for text, reason in (("soon", '"soon" is not a number'), ("-1", "not between")):
+        field.fill(text)
+        field.press("Enter")
+        page.get_by_role("alert").get_by_text(reason).wait_for()
+        assert field.get_attribute("aria-invalid") == "true"
+        assert flaws(page) == violations(page) == []
+    field.fill("3.2")
+    page.get_by_role("alert").wait_for(state="detached")
+    page.get_by_role("tab", name="Values").click()
+
+
+def test_an_empty_view_leads_to_where_there_is_something(page: Any) -> None:
+    select(page, "Controller0")
+    page.get_by_role("tab", name="Services").click()
+    page.get_by_text("This component provides no service.").wait_for()
+    page.get_by_role("list", name="Components with something here").get_by_role(
+        "button", name="Heater0", exact=True
+    ).click()
+    page.get_by_role("button", name="Call ").first.wait_for()
+    select(page, "")
+    page.get_by_role("tab", name="Map").click()
+    page.get_by_role("button", name="Plots of numbers").press("Enter")
+    page.get_by_role("tab", name="Plots", selected=True).wait_for()
     page.get_by_role("tab", name="Values").click()
 
 
