@@ -10,7 +10,7 @@ import click
 from rtgen.cli.help import command, grouped
 from rtgen.cli.options import with_console
 from rtgen.cli.parameter_types import Place, WholeRange
-from rtgen.cli.run_table import with_run_table
+from rtgen.cli.run_table import GIVEN, with_run_table
 from rtgen.cli.running_options import with_clock, with_recording, with_value_checks
 from rtgen.cli.transport_options import ENGINE_OPTIONS, PROCESSES
 from rtgen.tools.kit.console import Console, write_out, write_text
@@ -20,6 +20,15 @@ from rtgen.tools.running.recording_options import RecordingOptions
 
 if TYPE_CHECKING:
     from rtgen.ui.serving import Server
+
+_OF_RUNS = {
+    "clock": "--clock",
+    "check_values": "--check-values",
+    "name_servers": "--nameserver",
+    "transport": "--transport",
+    "playing": "--play/--pause",
+}
+"""The options that need a run, by parameter."""
 
 
 @command()
@@ -114,6 +123,7 @@ def ui(
         )
     from rtgen.ui.launch import UiOptions, served
 
+    context = click.get_current_context()
     options = UiOptions(
         systems=systems,
         simulated=clock == "sim",
@@ -125,6 +135,11 @@ def ui(
         recording=recording,
         playing=playing,
         attached=attached,
+        of_runs=tuple(
+            option
+            for name, option in _OF_RUNS.items()
+            if context.get_parameter_source(name) in GIVEN
+        ),
     )
 
     def ready(server: Server) -> None:

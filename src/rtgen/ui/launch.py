@@ -56,6 +56,8 @@ class UiOptions:
     playing: bool
     attached: str | None = None
     """The name or the process of the run to attach to, empty for the only one; None: to none."""
+    of_runs: tuple[str, ...] = ()
+    """The options that were given and need a run."""
 
     @property
     def recordings(self) -> list[str]:
@@ -135,9 +137,10 @@ def _recorded(
     from rtgen.ui.recorded import Recorded
 
     _check_number(options, 2)
-    if options.name_servers or options.recording.file is not None:
+    needless = [*options.of_runs, *["--record"] * (options.recording.file is not None)]
+    if needless:
         raise Refusal(
-            "a recording is shown without --nameserver and --record: no system runs"
+            f"a recording is shown without {', '.join(needless)}: no system runs"
         )
     project = CommandProject(console, [], dict(buses))
     session = Recorded(options.recordings, project.describer, project.codec)

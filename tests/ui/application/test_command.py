@@ -38,6 +38,25 @@ def test_what_cannot_be_opened_is_reported(
     assert "internal error" not in err
 
 
+@pytest.mark.parametrize(
+    ("options", "named"),
+    [
+        (["--clock", "real"], "--clock"),
+        (["--check-values", "never"], "--check-values"),
+        (["--transport", "corba"], "--transport"),
+        (["--pause"], "--play/--pause"),
+        (["--record", "a.mcap"], "--record"),
+        (["--nameserver", "127.0.0.1", "--clock", "sim"], "--clock, --nameserver"),
+    ],
+)
+def test_a_recording_needs_no_options_of_a_run(
+    options: list[str], named: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    assert run(["ui", "run.mcap", "--no-open", *options]) == 2
+    text = f"a recording is shown without {named}: no system runs"
+    assert text in capfd.readouterr().err
+
+
 def test_a_port_that_is_taken_is_reported(capfd: pytest.CaptureFixture[str]) -> None:
     with socket.socket() as other:
         other.bind(("127.0.0.1", 0))

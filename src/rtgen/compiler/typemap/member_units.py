@@ -17,6 +17,7 @@ from rtgen.compiler.model import (
     Struct,
     Type,
 )
+from rtgen.facts.comments import split_sentence
 from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 
 _BRACKETS: Final = re.compile(r"\[((?:[^,\[\]]|\[[^,\[\]]*\])+)\]")
@@ -68,12 +69,12 @@ def member_text(entry: Documented) -> str:
 
 
 def with_unit(doc: str, unit: str) -> str:
-    """Return a comment with the unit in its first line, before the full stop."""
-    first, newline, rest = doc.strip().partition("\n")
+    """Return a comment with the unit in its first sentence, before the full stop."""
+    first, rest = split_sentence(doc)
     if unit:
         stop = "." if first.endswith(".") else ""
         first = f"{first.removesuffix('.')} [{unit}]{stop}".strip()
-    return first + newline + rest
+    return first + rest
 
 
 def operation_text(operation: Operation) -> str:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import re
 from collections import Counter
 from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from dataclasses import dataclass, field
@@ -20,10 +19,10 @@ from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.layouts.offsets import Layouts
 from rtgen.compiler.layouts.representations import Representations
 from rtgen.compiler.model import Component, Extensibility, Model, PortKind, System
+from rtgen.facts.comments import first_sentence
 from rtgen.tools.docs.places import Kind, Places
 
 Item = TypeVar("Item")
-_SENTENCE = re.compile(r"(?<=[.!?])\s+(?=[^a-z])|(?<=。)")
 
 
 @dataclass(frozen=True, slots=True)
@@ -88,12 +87,6 @@ class Content:
     def source(self, file: str, span: Span) -> Markdown:
         """Return the file and line of a definition, relative to the project."""
         return code(f"{self.keys.get(file, file)}:{span.line}")
-
-
-def first_sentence(value: str) -> str:
-    """Return the first sentence of a description as one line."""
-    paragraph = " ".join(value.strip().partition("\n\n")[0].split())
-    return _SENTENCE.split(paragraph, maxsplit=1)[0]
 
 
 def counted(words: Iterable[str]) -> str:

@@ -17,12 +17,12 @@ from abc import ABC, abstractmethod
 from collections.abc import Callable, Iterable, Mapping
 from copy import copy
 from enum import Enum
-from inspect import cleandoc
 from typing import Any, ClassVar, TypeVar, cast
 
 from msgspec import Struct, StructMeta, field
 from msgspec.structs import replace
 
+from rtgen.facts.comments import first_sentence
 from rtgen.facts.parameter_texts import default_text
 from rtgen.runtime.errors import ConfigurationError
 from rtgen.runtime.marshalling.descriptors import DataType
@@ -167,7 +167,7 @@ def _port(
     instance: str = "",
     type_name: str = "",
 ) -> PortDeclaration:
-    summary = _summary(description)
+    summary = first_sentence(description)
     profile = PortProfile(
         name, "", kind, "", "", port, instance, unit, summary, type_name
     )
@@ -232,7 +232,7 @@ def parameter(
     """
     profile = ParameterProfile(
         *(name, "", type, "", minimum, maximum, unit, constraint, widget),
-        _summary(description),
+        first_sentence(description),
     )
     return cast("V", _Parameter(default, profile, text))
 
@@ -290,10 +290,3 @@ def derived_profile(
         elif isinstance(each, _ConfigurationDeclaration):
             parameters = each.type._parameters_
     return replace(base, **facts, ports=tuple(ports.values()), configuration=parameters)
-
-
-def _summary(description: str) -> str:
-    """Return the first line of a text."""
-    if "\n" not in description:
-        return description.strip()
-    return cleandoc(description).partition("\n")[0].strip()

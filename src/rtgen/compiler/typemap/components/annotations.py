@@ -15,6 +15,7 @@ from rtgen.compiler.model import (
     Port,
 )
 from rtgen.compiler.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
+from rtgen.facts.comments import first_sentence
 
 _PROFILE = (
     *("kind", "category", "vendor", "version", "description", "rate", "max_instances"),
@@ -84,7 +85,7 @@ def _different(component: Component) -> Iterator[tuple[str, ConstantValue]]:
         value = getattr(component, name)
         usual = _DEFAULTS[name]
         if name == "description":
-            usual = component.doc.split("\n")[0]
+            usual = first_sentence(component.doc)
         if value != usual:
             yield name, value
 

@@ -6,6 +6,7 @@ import keyword
 import re
 
 from rtgen.compiler.typemap.idl_keywords import escaped
+from rtgen.facts.comments import first_sentence
 
 _BREAK = re.compile(r"\s*<br\s*/?>\s*|\s*\n\s*", re.IGNORECASE)
 _OTHER = re.compile(r"[^A-Za-z0-9_]+")
@@ -28,7 +29,7 @@ def one_line(text: str) -> str:
 
 def summary(description: str, doc: str) -> str:
     """Return the one-line description of a component; may be empty."""
-    return description or doc.strip().partition("\n")[0].strip()
+    return description or first_sentence(doc)
 
 
 def word(text: str, otherwise: str) -> str:

@@ -42,6 +42,7 @@ from rtgen.compiler.model import (
     Typedef,
 )
 from rtgen.facts import parameter_texts
+from rtgen.facts.comments import first_sentence
 
 _KINDS = {
     "consumes": PortKind.INPORT,
@@ -138,7 +139,7 @@ class Components(msgspec.Struct, eq=False):
             self._report(rules.BAD_ARGUMENT.at(entity.span, message, hint=hint))
             del profile["rate"]
         if common["doc"]:
-            profile.setdefault("description", common["doc"].split("\n")[0])
+            profile.setdefault("description", first_sentence(common["doc"]))
         return profile
 
     def _is_new(
