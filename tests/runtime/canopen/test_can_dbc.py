@@ -4,11 +4,13 @@ from __future__ import annotations
 
 import math
 import re
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
 from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 from random import Random
+from typing import TypeAlias
 
 import canmatrix
 import canmatrix.formats
@@ -17,6 +19,7 @@ import pytest
 import seeds
 from cantools.database.can import Database, Message
 from eds_files import Thing, eds, entry
+from patience import PATIENCE
 from random_buses import RandomBus
 
 from rtgen.compiler.diagnostics import has_errors
@@ -40,6 +43,9 @@ from rtgen.tools.can.decoding.object_values import Field
 from rtgen.tools.can.decoding.pdo_fields import Route, routes
 
 SPECS = Path(__file__).parents[3] / "specs" / "canopen"
+MOST_BUSES = 50
+Reader: TypeAlias = Callable[[Frame], Mapping[str, float]]
+"""Decodes a frame to its values as on the bus."""
 
 
 @dataclass
@@ -188,8 +194,13 @@ def expected(field: Field, bits: int, raw: dict[str, float]) -> Iterator[bool]:
         yield same(float(found) if kind in ("r32", "r64") else found, value)
 
 
-def compared(of: Written, chance: Random, count: int) -> int:
-    """Compare random frames of the PDOs of a bus; return how many there were."""
+def compared(
+    of: Written, chance: Random, count: int, further: Reader | None = None
+) -> int:
+    """Compare random frames of the PDOs of a bus; return how many there were.
+
+    `further` is a reader beside the two.
+    """
     pdos: dict[tuple[int, bool], Route] = {}
     for node in of.index.nodes.values():
         for key, route in routes(node, node.parameters):
@@ -208,11 +219,39 @@ def compared(of: Written, chance: Random, count: int) -> int:
             decoded = decoder.decode(frame)
             assert of.message(frame).name == f"{decoded.name}_{decoded.kind}"
             raw = of.raw(frame)
+            if further is not None:
+                others = further(frame)
+                assert set(others) == set(raw)
+                assert all(same(others[name], raw[name]) for name in raw), frame
             for mapped, field in zip(route.mapped, decoded.fields, strict=True):
                 assert all(expected(field, mapped.bits, raw)), (field, raw)
                 assert_physical(of, frame, field)
             frames += 1
     return frames
+
+
+@contextmanager
+def hilspy_reader(content: bytes, folder: Path) -> Iterator[Reader]:
+    """Yield the reader of hilspy, whose code is of Rust: frames go over a bus in this process."""
+    reason = "a third reader of DBC files is missing: pip install hilspy"
+    hilspy = pytest.importorskip("hilspy", reason=reason)
+    file = folder / "bus.dbc"
+    file.write_bytes(content)
+    bus = f"mem://{folder.name}"
+    with (
+        hilspy.open(bus, f"dbc:{file}", scaling=False, decode_choices=False) as reader,
+        hilspy.open(bus) as sender,
+    ):
+
+        def read(frame: Frame) -> dict[str, float]:
+            sent = {"id": frame.can_id, "extended": frame.extended}
+            sender.send(hilspy.Message(data=frame.data, **sent))
+            message = reader.recv(PATIENCE)
+            assert message is not None
+            values: dict[str, float] = message.fields
+            return values
+
+        yield read
 
 
 def assert_physical(of: Written, frame: Frame, field: Field) -> None:
@@ -235,6 +274,23 @@ def test_pdos_of_drawn_buses(number: int, tmp_path: Path) -> None:
     of = described(drawn_bus(chance, tmp_path))
     assert compared(of, chance, 40)
     assert not of.left_out
+
+
+@pytest.mark.nightly
+@pytest.mark.peer
+@pytest.mark.slow
+def test_three_readers_agree_on_ten_thousand_frames(tmp_path: Path) -> None:
+    frames = 0
+    for number in range(MOST_BUSES):
+        folder = tmp_path / f"bus{number}"
+        folder.mkdir()
+        chance = Random(seeds.seed() + number)
+        of = described(drawn_bus(chance, folder))
+        with hilspy_reader(of.content, folder) as further:
+            frames += compared(of, chance, 100, further)
+        if frames >= 10_000:
+            break
+    assert frames >= 10_000
 
 
 @pytest.mark.sampled(1)
