@@ -5,6 +5,7 @@ from __future__ import annotations
 import io
 import os
 import pty
+import re
 import select
 import sys
 import time
@@ -62,6 +63,8 @@ def test_the_bar_of_a_run(monkeypatch: pytest.MonkeyPatch) -> None:
         text = "A[/b]0 ERROR \ufffd[2J\ufffd a\ufffdb \ufffd31m"
         shown = shown_on(control, text)
     assert text in shown
+    # Older encodings of terminals have no characters of Braille.
+    assert not re.search("[\u2800-\u28ff]", shown)
 
 
 def test_messages_and_tracebacks(capsys: pytest.CaptureFixture[str]) -> None:

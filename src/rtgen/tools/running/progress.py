@@ -58,7 +58,7 @@ class Bar:
         from rich.progress import BarColumn, Progress, SpinnerColumn, TextColumn
 
         columns = (
-            SpinnerColumn(),
+            SpinnerColumn("line"),
             BarColumn(),
             TextColumn("{task.fields[time]:8.1f} s"),
             TextColumn("{task.description}", markup=False),
