@@ -14,10 +14,6 @@ from rtgen.facts.substitutes import registered
 _NO_COLUMN = ("Mn", "Me", "Cf")
 _WIDE = "WF"
 _CLOSING = r",.:;?!)\]、。\uff0c\uff0e・\uff1a\uff1b\uff1f\uff01\uff09」』】〉》ーっゃゅょッャュョ"
-_PIECES = re.compile(
-    rf" *(?:[^\x00-\u2fff]|[^ \u3000-\U0010ffff]+)[{_CLOSING}]*", re.DOTALL
-)
-"""What stays on one line: a word, or a wide character, with the closing marks after it."""
 _LEGACY = frozenset(
     {"cp932", "shift_jis", "shift_jis_2004", "shift_jisx0213", "euc_jp"}
 )
@@ -64,12 +60,23 @@ def wrapped(text: str, width: int) -> list[str]:
     """
     lines = []
     line = ""
-    for piece in _PIECES.findall(text):
+    for piece in _pieces().findall(text):
         if line and columns(line + piece.rstrip()) > width:
             lines.append(line.rstrip())
             line = ""
         line += piece if line else piece.lstrip()
     return [*lines, line.rstrip()] if line.strip() else lines
+
+
+@cache
+def _pieces() -> re.Pattern[str]:
+    """Match what stays on one line: a word, or a wide character, with closing marks after it.
+
+    Compiled at first use: it takes longer than the import of this module.
+    """
+    return re.compile(
+        rf" *(?:[^\x00-\u2fff]|[^ \u3000-\U0010ffff]+)[{_CLOSING}]*", re.DOTALL
+    )
 
 
 def table(

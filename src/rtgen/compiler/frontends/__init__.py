@@ -4,12 +4,14 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any, Protocol
+from typing import TYPE_CHECKING, Any, Protocol
 
 import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic, in_order
-from rtgen.compiler.model import Model
+
+if TYPE_CHECKING:  # the rules of front ends are read without it
+    from rtgen.compiler.model import Model
 
 
 class Dependency(msgspec.Struct, frozen=True):
@@ -74,6 +76,8 @@ def key_of(path: Path, root: Path) -> str:
 
 def together(results: Sequence[FrontendResult]) -> FrontendResult:
     """Merge the results of several front ends."""
+    from rtgen.compiler.model import Model
+
     models = [result.model for result in results]
     return FrontendResult(
         model=Model(
