@@ -134,7 +134,7 @@ def _included(number: int, size: int, version: int) -> str:
     )
 
 
-@_shape(36, ("generate", "check", "diff", "docs", "inspect"))
+@_shape(36, DEFINITIONS)
 def idl_circles(size: int, version: int) -> Files:
     """Return files each of which includes all others: as many inclusions as `size`."""
     numbers = range(isqrt(size))

@@ -154,6 +154,39 @@ def test_edits_far_apart_leave_what_is_between_them(editor: Editor) -> None:
     assert "MOST = 12;" in text
 
 
+def test_names_of_a_file_that_several_include_follow_the_edits_of_each(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    user = '#include "parts.idl"\nstruct {0} {{ Part part; }};\n'
+    monkeypatch.chdir(tmp_path)
+    editor = Editor(
+        tmp_path,
+        parts_idl="#pragma once\nstruct Part { long size; };\n",
+        one_idl=user.format("One"),
+        two_idl=user.format("Two"),
+    )
+
+    def places(file: str, marked: str) -> list[str]:
+        view = editor.analysed(file)
+        uses = references(view, editor.at(view, marked), declaration=True)
+        return sorted(map(editor.shown, uses))
+
+    in_one, own, in_two = "one.idl:2 Part", "parts.idl:2 Part", "two.idl:2 Part"
+    for file in ("parts_idl", "one_idl", "two_idl"):
+        editor.open(file)
+    editor.edit("one_idl", "struct ^One^", "First")
+    assert places("two_idl", "{ Pa^rt") == [in_one, own, in_two]
+    editor.edit("one_idl", '^#include "parts.idl"^', "")
+    editor.edit("one_idl", "^Part^ part", "long")
+    assert places("two_idl", "{ Pa^rt") == [own, in_two]
+    editor.edit("parts_idl", "struct ^Part^", "Piece")
+    editor.edit("two_idl", "^Part^ part", "Piece")
+    assert places("parts_idl", "struct Pie^ce") == [
+        "parts.idl:2 Piece",
+        "two.idl:2 Piece",
+    ]
+
+
 @pytest.mark.parametrize("header", ["[device.wheel]", '[device."wheel"]'])
 def test_a_device_of_a_bus_with_tables_in_it(editor: Editor, header: str) -> None:
     text = editor.path("bus_toml").read_text().replace("[device.wheel]", header)

@@ -24,7 +24,7 @@ from rtgen.facts.ros import GENERATED_IDL, INTERFACE_KINDS, INTERFACE_SUFFIXES
 if TYPE_CHECKING:
     from rtgen.compiler.frontends.cdl.names.table import Table
     from rtgen.compiler.frontends.cdl.syntax.unit import Unit as CdlUnit
-    from rtgen.compiler.frontends.idl.names.tables import Tables
+    from rtgen.compiler.frontends.idl.pipeline import Observer as IdlObserver
     from rtgen.compiler.frontends.idl.text.source import Interfaces
     from rtgen.compiler.frontends.kit.memo import Memo
 
@@ -32,8 +32,9 @@ if TYPE_CHECKING:
 class Observer(Protocol):
     """Observer of names and symbols, which are not part of the model."""
 
-    def idl(self, tables: Tables) -> None:
-        """Called with the names of an IDL translation unit."""
+    @property
+    def idl(self) -> IdlObserver:
+        """The observer of IDL translation units."""
 
     def cdl(self, table: Table, units: Sequence[CdlUnit]) -> None:
         """Called with the symbols of a CDL unit, and its files."""
@@ -261,7 +262,7 @@ def read_idl(
             define=settings.define,
             ignore_case_clashes=settings.ignore_case_clashes,
             virtual=virtual,
-            observe=None if settings.observer is None else settings.observer.idl,
+            observer=None if settings.observer is None else settings.observer.idl,
             memo=settings.memo,
             encoding=settings.encoding,
             interfaces=interfaces,

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 from collections import Counter
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from pathlib import PurePosixPath
 
 from rtgen.compiler.diagnostics import Diagnostic, Span
@@ -35,13 +35,14 @@ def includes(context: Context) -> Iterator[Diagnostic]:
     included inside a scope is part of its includer.
     """
     declaring = {declaration.file for declaration in context.model.declarations}
+    provided = _provided(context)
     for file in context.model.files:
         if not file.main or file.name not in declaring:
             continue
         parts = [i for i in file.includes if context.files[i].belongs_to is not None]
         words = {w for f in (file.name, *parts) for w in context.words.get(f, ())}
         for included in file.includes:
-            if included not in parts and words.isdisjoint(_provided(context, included)):
+            if included not in parts and words.isdisjoint(provided.get(included, ())):
                 span = _include_of(context, file, included)
                 if span is not None:
                     yield rules.UNUSED_INCLUDE.at(
@@ -51,23 +52,29 @@ def includes(context: Context) -> Iterator[Diagnostic]:
                     )
 
 
-def _provided(context: Context, name: str) -> set[str]:
-    """Return the names and macros that a file provides, including those of its includes."""
-    files: dict[str, None] = {}
-    pending = [name]
-    while pending:
-        current = pending.pop()
-        if current not in files and current in context.files:
-            files[current] = None
-            pending += context.files[current].includes
-    names: set[str] = set()
+def _provided(context: Context) -> Mapping[str, set[str]]:
+    """Return the names and macros that each file provides, including those of its includes."""
+    names = {
+        file.name: {*_DEFINE.findall(context.sources.get(file.name, ""))}
+        for file in context.model.files
+    }
     for declaration in context.model.declarations:
-        if declaration.file in files:
-            names.add(declaration.name[-1])
-            if isinstance(declaration, Enum | Bitmask):
-                names.update(member.name for member in declaration.members)
-    for current in files:
-        names.update(_DEFINE.findall(context.sources.get(current, "")))
+        own = names.get(declaration.file)
+        if own is None:  # no file of the project has it
+            continue
+        own.add(declaration.name[-1])
+        if isinstance(declaration, Enum | Bitmask):
+            own.update(member.name for member in declaration.members)
+    grows = True
+    while (
+        grows
+    ):  # once more only where files include each other: others follow their includes
+        grows = False
+        for file in context.model.files:
+            provided = names[file.name]
+            before = len(provided)
+            provided.update(*filter(None, map(names.get, file.includes)))
+            grows |= len(provided) > before
     return names
 
 

@@ -127,6 +127,14 @@ class Modules:
             self._trees[text] = ast.parse(text)
         return self._trees[text]
 
+    def forget(self, name: str) -> None:
+        """Release the syntax tree of a user's module; a module that imports it parses it again."""
+        self._modules.pop(name, None)
+        self._trees.pop(self._users.get(name, ""), None)
+        self._nodes.clear()
+        for key in [key for key in self._ancestors if key[0] == name]:
+            del self._ancestors[key]
+
     def is_generated(self, name: str) -> bool:
         """Return whether a module or a package of that name is generated."""
         path = name.replace(".", "/")

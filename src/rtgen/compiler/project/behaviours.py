@@ -152,6 +152,7 @@ class Behaviours:
                     hint=self._renamed(module),
                 )
             yield from uses.findings(project, known, file, text)
+            known.forget(uses.module_of(project, file))
 
     def _missing(self, known: Modules) -> Iterator[Diagnostic]:
         """Yield the components whose module, or class in it, is not where a run looks for it."""

@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from itertools import pairwise
+from typing import TypeAlias
+
+import msgspec
 
 from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.frontends.idl.names import scopes
@@ -40,10 +43,21 @@ _KINDS = {
 }
 _MAX_DETAIL = 80
 
+Definition: TypeAlias = tuple[str, str, Kind, Span, Span | None, str, str]
+"""Key, name, kind, place of the name, extent, container and detail of a definition."""
+
 
 def key_of(name: ScopedName) -> str:
     """Return the key of a scoped name of IDL."""
     return "idl " + "::".join(name)
+
+
+class FileNames(msgspec.Struct, frozen=True, eq=False):
+    """The names of a file of a translation unit: arguments of `Collector.define` and `refer`."""
+
+    file: tuple[str, str]
+    definitions: tuple[Definition, ...]
+    uses: tuple[tuple[str, Span], ...]
 
 
 class IdlNames:
@@ -51,59 +65,84 @@ class IdlNames:
 
     def __init__(self, collector: Collector) -> None:
         self._collector = collector
-        self._indexed: set[tuple[str, str]] = set()
+        self._added: dict[tuple[str, str], FileNames] = {}
 
-    def add(self, tables: Tables) -> None:
-        """Add the names of a translation unit."""
+    def names(self, tables: Tables) -> tuple[FileNames, ...]:
+        """Return the names of a translation unit; those of files that were added are the same."""
         entities = list(tables.entities.items())
         references = list(tables.references.items())
         marks = [*tables.marks, (None, len(entities), len(references))]
-        here: set[tuple[str, str]] = set()
+        files: dict[tuple[str, str], FileNames | _File] = {}
         for (unit, first, begin), (_, last, end) in pairwise(marks):
             assert unit is not None
             identity = unit.source.name, unit.text
-            if identity in self._indexed:
+            if identity not in files:
+                files[identity] = self._added.get(identity) or _File(identity, unit)
+            file = files[identity]
+            if isinstance(file, _File):
+                for name, entity in entities[first:last]:
+                    file.entity(name, entity, unit, tables.openings.get(name))
+                for reference, target in references[begin:end]:
+                    if isinstance(target, Entity):
+                        file.reference(reference, target, unit)
+        return tuple(
+            each.names() if isinstance(each, _File) else each for each in files.values()
+        )
+
+    def add(self, names: Iterable[FileNames]) -> None:
+        """Add the names of a translation unit."""
+        for file in names:
+            if file.file in self._added:
                 continue
-            if identity not in here:
-                self._includes(unit)
-            here.add(identity)
-            for name, entity in entities[first:last]:
-                self._entity(name, entity, unit, tables.openings.get(name))
-            for reference, target in references[begin:end]:
-                if isinstance(target, Entity):
-                    self._reference(reference, target, unit)
-        self._indexed |= here
+            self._added[file.file] = file
+            for key, name, kind, span, extent, container, detail in file.definitions:
+                self._collector.define(
+                    *(key, name, kind, span, extent),
+                    container=container,
+                    detail=detail,
+                )
+            for key, span in file.uses:
+                self._collector.refer(key, span)
 
-    def _includes(self, unit: Unit) -> None:
-        for name, span in unit.inclusions:
-            self._collector.refer(f"file {path_of(name)}", span)
 
-    def _entity(
+class _File:
+    """Collects the names of a file."""
+
+    def __init__(self, identity: tuple[str, str], unit: Unit) -> None:
+        self._identity = identity
+        self._definitions: list[Definition] = []
+        self._uses = [(f"file {path_of(name)}", span) for name, span in unit.inclusions]
+
+    def names(self) -> FileNames:
+        """Return all."""
+        definitions, uses = tuple(self._definitions), tuple(self._uses)
+        return FileNames(self._identity, definitions, uses)
+
+    def entity(
         self, name: tree.Name, entity: Entity, unit: Unit, opening: tree.Body | None
     ) -> None:
+        """Collect a declaration."""
         span = unit.span(name.start, name.end)
         key = key_of(entity.path)
         here = (name.start, unit) == (entity.start, entity.unit)
         if not here and opening is None:
-            self._collector.refer(key, span)  # a forward declaration
+            self._uses.append((key, span))  # a forward declaration
             return
         extent = _extent(entity, unit) if here else None
         if opening is not None:
             extent = unit.span(name.start, opening.end + 1)
-        self._collector.define(
-            key,
-            entity.name,
-            _KINDS[entity.kind],
-            span,
-            extent,
-            container=key_of(entity.path[:-1]) if entity.path[:-1] else "",
-            detail=_detail(entity, unit),
+        container = key_of(entity.path[:-1]) if entity.path[:-1] else ""
+        detail = _detail(entity, unit)
+        kind = _KINDS[entity.kind]
+        self._definitions.append(
+            (key, entity.name, kind, span, extent, container, detail)
         )
 
-    def _reference(self, name: tree.ScopedName, target: Entity, unit: Unit) -> None:
+    def reference(self, name: tree.ScopedName, target: Entity, unit: Unit) -> None:
+        """Collect the use of a name."""
         for part, entity in _parts(name, target):
             key = key_of(entity.path)
-            self._collector.refer(key, unit.span(part.start, part.end))
+            self._uses.append((key, unit.span(part.start, part.end)))
 
 
 def _parts(name: tree.ScopedName, target: Entity) -> Iterator[tuple[tree.Name, Entity]]:

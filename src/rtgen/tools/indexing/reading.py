@@ -13,7 +13,6 @@ from rtgen.compiler.diagnostics import Diagnostic, has_errors
 from rtgen.compiler.frontends import FrontendResult
 from rtgen.compiler.frontends.cdl.names.table import Table
 from rtgen.compiler.frontends.cdl.syntax.unit import Unit as CdlUnit
-from rtgen.compiler.frontends.idl.names.tables import Tables
 from rtgen.compiler.frontends.kit.memo import Memo
 from rtgen.compiler.model import Model
 from rtgen.compiler.project import Project, behaviours, shown
@@ -53,11 +52,8 @@ class _Names:
     """Collects the names that front ends resolve."""
 
     def __init__(self, collector: Collector) -> None:
-        self._idl = IdlNames(collector)
+        self.idl = IdlNames(collector)
         self._cdl = CdlNames(collector)
-
-    def idl(self, tables: Tables) -> None:
-        self._idl.add(tables)
 
     def cdl(self, table: Table, units: Sequence[CdlUnit]) -> None:
         self._cdl.add(table, units)

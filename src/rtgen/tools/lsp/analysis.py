@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import gc
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, replace
 
@@ -77,6 +78,8 @@ class _Stages:
 
     def file(self, _: str) -> None:
         self._go_on()
+        # The tables of the unit before have cycles.
+        gc.collect(1)
 
     def note(self, _: str) -> None:
         pass

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping
+from typing import TypeAlias
 
 import msgspec
 
@@ -12,30 +13,34 @@ from rtgen.compiler.frontends.idl.meaning.checks import Checker, levels
 from rtgen.compiler.frontends.idl.meaning.typetable import Types
 from rtgen.compiler.frontends.idl.names.scopes import Entity
 from rtgen.compiler.frontends.idl.names.tables import Tables
+from rtgen.compiler.frontends.idl.syntax import tree
 from rtgen.compiler.frontends.idl.text.unit import Unit
 from rtgen.compiler.kit import stages
 from rtgen.compiler.model import Declaration, ScopedName
 
+_Facts: TypeAlias = tuple[object, tree.Item | None, str, str, tuple[tree.Item, ...]]
+"""What an entity is lowered from. The entity itself would keep all tables of its unit."""
+
 
 class _Lowered(msgspec.Struct, frozen=True, eq=False):
-    """Entities without findings, and what they were lowered to, in the same order."""
+    """Facts of entities without findings, and what they were lowered to, in the same order."""
 
-    entities: list[Entity]
+    facts: list[_Facts]
     declarations: list[Declaration]
     annotations: Mapping[str, tuple[str, ...]]
 
     def fits(self, tables: Tables, count: int) -> bool:
         """Return whether the first entities of another unit are equal to these."""
-        pairs = zip(tables.declared[:count], self.entities, strict=False)
+        pairs = zip(tables.declared[:count], self.facts, strict=False)
         return self.annotations == tables.annotations and all(
-            mine.node is other.node
-            and mine.item is other.item
-            and mine.repository_id == other.repository_id
-            and mine.modifier == other.modifier
-            and mine.around == other.around
+            mine.node is node
+            and mine.item is item
+            and mine.repository_id == repository_id
+            and mine.modifier == modifier
+            and mine.around == around
             and not mine.poisoned
             and not mine.contradicted
-            for mine, other in pairs
+            for mine, (node, item, repository_id, modifier, around) in pairs
         )
 
 
@@ -109,10 +114,20 @@ class LeadingUnits:
 
     def _keep(self, tables: Tables, quiet: int, lowered: list[Declaration]) -> None:
         units = tuple(unit for unit, _, _ in tables.leading)
-        made = _Lowered(tables.declared, lowered, tables.annotations)
+        most = 0
+        fresh = []
         for index, (_, count, last) in enumerate(tables.leading):
-            if count <= quiet and _is_whole(tables, count, last):
-                self._lowered.setdefault(units[: index + 1], made)
+            own = units[: index + 1]
+            is_new = own not in self._lowered and count <= quiet
+            if is_new and _is_whole(tables, count, last):
+                fresh.append(own)
+                most = max(most, count)
+        facts = [
+            (e.node, e.item, e.repository_id, e.modifier, e.around)
+            for e in tables.declared[:most]
+        ]
+        entry = _Lowered(facts, lowered[:most], tables.annotations)
+        self._lowered |= dict.fromkeys(fresh, entry)
 
 
 def _is_whole(tables: Tables, count: int, last: Entity | None) -> bool:

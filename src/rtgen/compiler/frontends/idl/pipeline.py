@@ -3,8 +3,12 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import filterfalse
 from pathlib import Path
+from typing import Any, Protocol
+
+import msgspec
 
 from rtgen.compiler.diagnostics import Diagnostic, Related, in_order
 from rtgen.compiler.frontends import Dependency, FrontendResult
@@ -15,7 +19,7 @@ from rtgen.compiler.frontends.idl.text.macros import ExpansionError, Macro
 from rtgen.compiler.frontends.idl.text.predefined import predefined
 from rtgen.compiler.frontends.idl.text.source import Interfaces, Library, Source
 from rtgen.compiler.frontends.idl.text.unit import Repeated
-from rtgen.compiler.frontends.idl.translation import Translation, Translator
+from rtgen.compiler.frontends.idl.translation import Translator
 from rtgen.compiler.frontends.kit.findings import Findings
 from rtgen.compiler.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.compiler.frontends.kit.main_files import open_main
@@ -34,6 +38,36 @@ _FRAMES = 12 * MAX_NESTING
 """Recursion limit sufficient for the deepest nesting allowed."""
 
 
+class Observer(Protocol):
+    """Takes what it needs of the resolved names, which a memo then stores without the rest."""
+
+    def names(self, tables: Tables) -> Any:
+        """Return the names of a translation unit, as values that `add` takes in later runs, too."""
+
+    def add(self, names: Any) -> None:
+        """Add the names of a translation unit of this run."""
+
+
+class _Part(msgspec.Struct, frozen=True, eq=False):
+    """What a translation unit adds to the model, without its trees and tables.
+
+    `name` is the displayed path, `files` are its files with what they include and whether they were
+    passed over, `texts` their texts by displayed path; `names` are those of the observer. The other
+    fields are as in `Translation` and `Tables`.
+    """
+
+    name: str
+    files: tuple[tuple[SourceFile, bool], ...]
+    texts: Mapping[str, str]
+    names: Any
+    undefined: Mapping[ScopedName, Diagnostic]
+    defined: frozenset[ScopedName]
+    declarations: Mapping[ScopedName, Declaration]
+    findings: tuple[Diagnostic, ...]
+    dependencies: tuple[Dependency, ...]
+    printed: Mapping[str, str]
+
+
 def load(
     paths: Sequence[Path],
     *,
@@ -42,7 +76,7 @@ def load(
     define: Mapping[str, str] | None = None,
     ignore_case_clashes: bool = False,
     virtual: Mapping[str, VirtualFile | Path] | None = None,
-    observe: Callable[[Tables], None] | None = None,
+    observer: Observer | None = None,
     memo: Memo | None = None,
     encoding: str = "auto",
     interfaces: Interfaces | None = None,
@@ -52,7 +86,7 @@ def load(
     `root` is the project's folder, to which keys of files are relative; `include` are the folders
     of `#include`, in order; `define` are macros. With `ignore_case_clashes`, names that only differ
     in case are different names. `virtual` are files that can be included by name if no such file
-    exists; those that are `given` are read before `paths`. `observe` is called with the resolved
+    exists; those that are `given` are read before `paths`. `observer` is given the resolved
     names of each translation unit; units whose files have not changed are taken from `memo`.
     `encoding`, of `decoded_text.NAMES`, is that of files that do not tell theirs. `interfaces`
     returns the IDL of an included file that ROS 2 has generated. All errors in the input are among
@@ -64,7 +98,7 @@ def load(
     try:
         run = _Run(
             *(paths, root, include, define or {}, ignore_case_clashes),
-            *(virtual or {}, observe, memo, encoding, interfaces),
+            *(virtual or {}, observer, memo, encoding, interfaces),
         )
         return run.result()
     finally:
@@ -80,7 +114,7 @@ class _Run:
         define: Mapping[str, str],
         ignore_case_clashes: bool,
         virtual: Mapping[str, VirtualFile | Path],
-        observe: Callable[[Tables], None] | None,
+        observer: Observer | None,
         memo: Memo | None,
         encoding: str,
         interfaces: Interfaces | None,
@@ -94,7 +128,7 @@ class _Run:
         ]
         self._paths = [Path(path) for path in dict.fromkeys(map(absolute_path, paths))]
         self._define = define
-        self._observe = observe
+        self._observer = observer
         self._memo = memo
         own = ((name, f) for name, f in virtual.items() if isinstance(f, Path))
         self._key = (
@@ -128,18 +162,19 @@ class _Run:
             macros = predefined({})
         mains = [*map(self._of_name, self._given), *map(self._of_path, self._paths)]
         # Two links to one file are one.
-        translations = list(
-            {id(each): each for each in mains if each is not None}.values()
-        )
-        self._main = {
-            (each.source if isinstance(each, Translation) else each).name
-            for each in translations
-        }
-        for each in translations:
-            if isinstance(each, Translation):
+        units = list({id(each): each for each in mains if each is not None}.values())
+        self._main = {each.name for each in units}
+        # Units of earlier runs come first: they have the names of files in common with others.
+        for each in units:
+            if isinstance(each, _Part):
+                self._observe(each)
+        for each in units:
+            if isinstance(each, _Part):
                 self._merge(each)
             else:
-                self._merge(self._translated(each, macros))
+                part = self._translated(each, macros)
+                self._observe(part)
+                self._merge(part)
         for finding, name in self._undefined.items():
             if name not in self._defined:
                 self._report(finding)
@@ -156,11 +191,11 @@ class _Run:
             dependencies=tuple(self._dependencies.values()),
         )
 
-    def _of_name(self, name: str) -> Source | Translation | None:
+    def _of_name(self, name: str) -> Source | _Part | None:
         """Return a main file that is on no disk, or its unit if that is known."""
         return self._cached(name) or self._library.virtual(name)
 
-    def _of_path(self, path: Path) -> Source | Translation | None:
+    def _of_path(self, path: Path) -> Source | _Part | None:
         return self._cached(str(path)) or open_main(
             self._library,
             path,
@@ -171,35 +206,51 @@ class _Run:
             beside="*.idl",
         )
 
-    def _cached(self, name: str) -> Translation | None:
+    def _cached(self, name: str) -> _Part | None:
         """Return the unit of a main file from an earlier run, if it is still valid."""
         if self._memo is None:
             return None
-        translation: Translation | None = self._memo.find((*self._key, name))
-        if translation is None or not self._translator.is_printed(translation.printed):
+        part: _Part | None = self._memo.find((*self._key, name))
+        if part is None or not self._translator.is_printed(part.printed):
             return None
-        return translation
+        return part
 
-    def _translated(self, source: Source, macros: Mapping[str, Macro]) -> Translation:
+    def _translated(self, source: Source, macros: Mapping[str, Macro]) -> _Part:
         virtual = source.name in self._given
         translation = self._translator.translate(source, macros, virtual=virtual)
+        tables = translation.tables
+        part = _Part(
+            name=source.name,
+            files=tuple(_files(tables)),
+            texts={each.name: each.text for each in translation.sources},
+            names=None if self._observer is None else self._observer.names(tables),
+            undefined=tables.undefined,
+            defined=frozenset(e.path for e in tables.declared if e.node is not None),
+            declarations=translation.declarations,
+            findings=translation.findings,
+            dependencies=translation.dependencies,
+            printed=translation.printed,
+        )
         if self._memo is not None and not translation.guessed:
             name = source.name if virtual else absolute_path(source.path)
-            self._memo.keep((*self._key, name), translation)
-        return translation
+            self._memo.keep((*self._key, name), part)
+        return part
 
-    def _merge(self, unit: Translation) -> None:
-        for found in unit.findings:
-            self._report(found)
-        tables = unit.tables
-        if self._observe is not None:
-            self._observe(tables)
-        self._undefined |= {found: name for name, found in tables.undefined.items()}
-        self._defined.update(e.path for e in tables.declared if e.node is not None)
-        self._note_files(tables)
-        self._sources |= {source.name: source.text for source in unit.sources}
-        self._dependencies |= {each.path: each for each in unit.dependencies}
-        for name, declaration in unit.declarations.items():
+    def _observe(self, part: _Part) -> None:
+        if self._observer is not None:
+            self._observer.add(part.names)
+
+    def _merge(self, part: _Part) -> None:
+        for finding in part.findings:
+            self._report(finding)
+        self._undefined |= {finding: name for name, finding in part.undefined.items()}
+        self._defined |= part.defined
+        for file, is_passed_over in part.files:
+            if not is_passed_over or file.name not in self._files:
+                self._note(file)
+        self._sources |= part.texts
+        self._dependencies |= {each.path: each for each in part.dependencies}
+        for name, declaration in part.declarations.items():
             self._add(name, declaration)
 
     def _add(self, name: ScopedName, declaration: Declaration) -> None:
@@ -224,31 +275,45 @@ class _Run:
                 )
             )
 
-    def _note_files(self, tables: Tables) -> None:
-        for unit in tables.units:
-            if isinstance(unit, Repeated):
-                for name, source in unit.sources.items():
-                    if name not in self._files:
-                        self._note(source, {}, None)
-                continue
-            source = unit.source
-            self._note(source, unit.includes, None)
-            for nested in unit.nested:
-                self._note(nested, {}, source.name)
-
-    def _note(
-        self, source: Source, includes: dict[str, None], owner: str | None
-    ) -> None:
-        file = self._files.get(source.name)
-        names_ = tuple(dict.fromkeys(file.includes) | includes if file else includes)
-        self._files[source.name] = SourceFile(
-            name=source.name,
-            key=source.key,
-            sha256=source.sha256,
-            main=source.name in self._main,
-            includes=names_,
-            belongs_to=None if source.name in self._main else owner,
+    def _note(self, file: SourceFile) -> None:
+        """Note a file of a unit, with what it includes there besides what is known."""
+        before = self._files.get(file.name)
+        includes = (*before.includes, *file.includes) if before else file.includes
+        is_main = file.name in self._main
+        self._files[file.name] = msgspec.structs.replace(
+            file,
+            main=is_main,
+            includes=tuple(dict.fromkeys(includes)),
+            belongs_to=None if is_main else file.belongs_to,
         )
+
+
+def _files(tables: Tables) -> Iterator[tuple[SourceFile, bool]]:
+    """Yield the files of a translation unit, and whether their guards have left nothing."""
+    seen: set[str] = set()
+    for unit in tables.units:
+        if isinstance(unit, Repeated):
+            for name in filterfalse(seen.__contains__, unit.sources):
+                yield _file(unit.sources[name], {}, None), True
+            seen.update(unit.sources)
+            continue
+        yield _file(unit.source, unit.includes, None), False
+        for nested in unit.nested:
+            yield _file(nested, {}, unit.source.name), False
+        seen |= {unit.source.name, *(nested.name for nested in unit.nested)}
+
+
+def _file(
+    source: Source, includes: Mapping[str, None], owner: str | None
+) -> SourceFile:
+    return SourceFile(
+        name=source.name,
+        key=source.key,
+        sha256=source.sha256,
+        main=False,
+        includes=tuple(includes),
+        belongs_to=owner,
+    )
 
 
 def _is_forward(declaration: Declaration) -> bool:

@@ -9,6 +9,7 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
+from functools import lru_cache
 from typing import NoReturn
 from xml.parsers import expat
 
@@ -177,6 +178,10 @@ class _Builder:
             raise InputError(
                 [MALFORMED.at(place, f"not well-formed XML: {message}", hint=hint)]
             ) from None
+        finally:
+            del (
+                self._parser
+            )  # its handlers are methods of this, and so keep all elements
         assert self._root is not None, "expat accepts no document without an element"
         return self._root
 
@@ -240,6 +245,8 @@ class _Builder:
         self._open.pop()
 
 
+@lru_cache(1024)
 def _split(name: str) -> tuple[str, str]:
+    """Return namespace and local name, which a file repeats often."""
     namespace, _, local = name.rpartition(" ")
     return namespace, local
