@@ -117,7 +117,6 @@ def test_the_choice_of_a_language_is_remembered(
     page.get_by_role("button", name=texts("Save"), exact=True).click()
     said = page.get_by_role("alert").inner_text()
     assert "XML ファイルでも YAML ファイルでもありません" in said, said
-    page.get_by_role("button", name=texts("Dismiss notice")).click()
     page.get_by_role("button", name="言語: 日本語").click()
     page.get_by_role("menuitem", name="English").click()
     page.get_by_role("tab", name="Wiring", exact=True).wait_for()
