@@ -13,7 +13,8 @@ const USUAL = 0.95;
 const SHOWN = 100;
 
 const printable = (octets: Uint8Array): string => [...octets].map((each) => (each > 31 && each < 127 ? String.fromCharCode(each) : "·")).join("");
-const listed = (values: BoardCall["request_values"]): string => values.map((each) => `${each.name} = ${each.text}`).join(", ");
+// A value stays beside its name, a unit beside its number.
+const listed = (values: BoardCall["request_values"]): string => values.map((each) => `${each.name}\u00A0=\u00A0${each.text}`).join(", ");
 
 /** Calls with their octets and decoded values. */
 export function CallTable({ calls }: { calls: readonly BoardCall[] }) {

@@ -96,20 +96,15 @@ function Load({ bus }: { bus: Bus }) {
   return (
     <p className="toolbar load">
       {bus.bit_rate > 0 && <span>{bus.bit_rate / 1000} kbit/s</span>}
-      {last ? (
+      {!last && <span>{t("load not measured yet")}</span>}
+      {last && bus.bit_rate > 0 && (
         <>
-          {bus.bit_rate > 0 && (
-            <>
-              <meter aria-label={t("Load of the bus")} min={0} max={1} low={0.4} high={0.7} optimum={0} value={last.load} />
-              <span>{t("load {load}", { load: percent(last.load) })}</span>
-            </>
-          )}
-          <span>{t("{count} {count:frame|frames}/s", { count: last.frames })}</span>
+          <meter aria-label={t("Load of the bus")} min={0} max={1} low={0.4} high={0.7} optimum={0} value={last.load} />
+          <span>{t("load {load}", { load: percent(last.load) })}</span>
         </>
-      ) : (
-        <span>{t("load not measured yet")}</span>
       )}
       {bus.computed_load >= 0 && <span>{t("computed {load}", { load: percent(bus.computed_load) })}</span>}
+      {last && <span>{t("{count} {count:frame|frames}/s", { count: last.frames })}</span>}
     </p>
   );
 }

@@ -3,22 +3,29 @@
 from __future__ import annotations
 
 import json
+import os
+import signal
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from attached_page import Watching
 from attached_program import running, watching
-from patience import until
+from patience import PATIENCE, until
 from ui_bench import GOAL, ROOT, Bench
 
 from rtgen.cli import run as rtgen
 from rtgen.runtime.distribution.medium import MediumError
+from rtgen.tools.kit.exits import INTERRUPTED
 from rtgen.ui.protocol import ui
 
 FOURX = ROOT / "specs/canopen/fourx.xml"
 pytestmark = pytest.mark.usefixtures("sockets")
 PACED = ("--clock", "sim", "--rate", "1", "-q")
+A_CHUNK = 20_000
+"""So large is a file that has a chunk of samples, at least."""
 
 
 @pytest.fixture(scope="module")
@@ -35,6 +42,50 @@ def lines(file: Path, capsys: pytest.CaptureFixture[str]) -> list[dict[str, obje
     capsys.readouterr()
     assert rtgen(["log", "cat", str(file)]) == 0
     return [json.loads(each) for each in capsys.readouterr().out.splitlines()]
+
+
+@pytest.mark.nightly
+@pytest.mark.peer
+@pytest.mark.sampled(1)
+@pytest.mark.parametrize(
+    ("transport", "module"), [("dds", "cyclonedds"), ("zenoh", "zenoh")]
+)
+def test_a_server_records_other_processes_until_it_is_interrupted(
+    transport: str, module: str, tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    pytest.importorskip(module)
+    file, said = tmp_path / "others.mcap", tmp_path / "said.txt"
+    net = ["--transport", transport, "--partition", f"record{os.getpid()}"]
+    command = [sys.executable, "-m", "rtgen", "ui", str(GOAL), *net, "--no-open"]
+    with (
+        running(str(GOAL), "--clock", "real", *net, "-q"),
+        said.open("w", encoding="utf-8") as output,
+        subprocess.Popen(
+            [*command, "--port", "0", "--record", str(file)],
+            stdout=output,
+            stderr=subprocess.STDOUT,
+        ) as server,
+    ):
+        try:
+            until(
+                lambda: (
+                    (file.exists() and file.stat().st_size > A_CHUNK)
+                    or server.poll() is not None
+                ),
+                shown=lambda: said.read_text(encoding="utf-8"),
+            )
+            server.send_signal(signal.SIGINT)
+            assert server.wait(PATIENCE) == INTERRUPTED, said.read_text(
+                encoding="utf-8"
+            )
+        finally:
+            server.kill()
+    found = lines(file, capsys)
+    assert len([each for each in found if each["event"] == "component"]) == 6
+    samples = {each["port"] for each in found if each["event"] == "sample"}
+    assert "OutWheelAngle" in samples
+    times = [each["t"] for each in found]
+    assert times == sorted(times)
 
 
 def test_a_run_is_recorded_from_the_time_of_attaching(
