@@ -3,7 +3,10 @@
 from __future__ import annotations
 
 import os
-from typing import TextIO
+
+TYPE_CHECKING = False  # that of typing takes longer to import than a stored answer to print
+if TYPE_CHECKING:
+    from typing import TextIO
 
 
 def width_of(stream: TextIO) -> int | None:
