@@ -2,8 +2,11 @@
 
 from __future__ import annotations
 
+import json
 import math
 import re
+import subprocess
+import sys
 from collections.abc import Callable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass, replace
@@ -12,6 +15,7 @@ from pathlib import Path
 from random import Random
 from typing import TypeAlias
 
+import can
 import canmatrix
 import canmatrix.formats
 import cantools
@@ -22,6 +26,7 @@ from eds_files import Thing, eds, entry
 from patience import PATIENCE
 from random_buses import RandomBus
 
+from rtgen.cli import run
 from rtgen.compiler.diagnostics import has_errors
 from rtgen.compiler.frontends import bus as front_end
 from rtgen.facts.canopen import (
@@ -291,6 +296,58 @@ def test_three_readers_agree_on_ten_thousand_frames(tmp_path: Path) -> None:
         if frames >= 10_000:
             break
     assert frames >= 10_000
+
+
+@pytest.mark.nightly
+@pytest.mark.peer
+@pytest.mark.slow
+@pytest.mark.parametrize("recorder", [".log", ".asc", ".blf", ".trc"])
+def test_the_tools_of_others_show_what_replay_shows(
+    recorder: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    """A logger of python-can records, `cantools decode` reads the frames with the DBC file."""
+    bus = SPECS / "rh3_beego.toml"
+    chance = Random(seeds.seed())
+    identifiers = {0x181: 3, 0x182: 3, 0x201: 3, 0x281: 8, 0x282: 8, 0x701: 1}
+    recording = tmp_path / f"run{recorder}"
+    lines = []
+    with can.Logger(recording) as logger:
+        for number in range(60):
+            identifier, octets = chance.choice(sorted(identifiers.items()))
+            data = b"\5" if octets == 1 else chance.randbytes(octets)
+            of_frame = {"arbitration_id": identifier, "is_extended_id": False}
+            logger(can.Message(timestamp=number / 100, data=data, **of_frame))
+            lines.append(f"({number / 100:f}) can0 {identifier:03X}#{data.hex()}\n")
+    assert run(["convert", str(bus), "--to", "dbc", "-o", str(tmp_path)]) == 0
+    command = [sys.executable, "-m", "cantools", "decode", "--single-line"]
+    shown = subprocess.run(
+        [*command, str(tmp_path / "rh3_beego.dbc")],
+        input="".join(lines),
+        capture_output=True,
+        text=True,
+        check=True,
+    ).stdout
+    capfd.readouterr()
+    assert (
+        run(["can", "replay", str(recording), *f"--decode --json --bus {bus}".split()])
+        == 0
+    )
+    rows = [json.loads(each) for each in capfd.readouterr().out.splitlines()]
+    for line, row in zip(shown.splitlines(), rows, strict=True):
+        match = re.fullmatch(r".* :: (\w+)\((.*)\)", line)
+        assert match is not None
+        name, fields = match.groups()
+        assert name == f"{row['name']}_{row['kind']}"
+        signals = dict(re.findall(r"(\w+): (.*?)(?=, \w+: |$)", fields))
+        if row["kind"] == "heartbeat":
+            assert signals["state"] == row["text"]
+        for each in row.get("values", ()):
+            text = signals[each["name"]]
+            if text == each.get("words"):
+                continue
+            value, _, unit = text.partition(" ")
+            assert unit == each.get("unit", "")
+            assert same(float(value), float(each["value"]))
 
 
 @pytest.mark.sampled(1)

@@ -167,7 +167,9 @@ def test_lengths(linked: NodeIndex) -> None:
     assert short.text.endswith("15 (enable operation) (too short: 2 of 3 octets)")
     assert [field.value for field in short.fields] == [15]
     long = decoded(linked, 0x201, "0f000308")
-    assert long.text.endswith("Modes_of_operation=3 (too long: 4 octets for 3)")
+    assert long.text.endswith(
+        "Modes_of_operation=3 (profile velocity) (too long: 4 octets for 3)"
+    )
 
 
 def write(decoder: Decoder, index: int, subindex: int, value: int, size: int) -> None:

@@ -1,4 +1,4 @@
-"""Text for the statusword and controlword of drives (CiA 402: 6041h and 6040h of each axis)."""
+"""Text for the words and modes of drives (CiA 402: 6040h, 6041h, 6060h and 6061h of each axis)."""
 
 from __future__ import annotations
 
@@ -51,6 +51,8 @@ def drive_words(index: int) -> Callable[[int], str] | None:
     if not 0x6000 <= index < 0xA000:
         return None
     place = 0x6000 + (index - 0x6000) % _AXIS
+    if place in _MODE_OBJECTS:
+        return mode_words
     return {0x6041: state_words, 0x6040: command_words}.get(place)
 
 
@@ -85,6 +87,11 @@ def command_words(controlword: int) -> str:
     """Return the command in a controlword, with the bit "halt"."""
     words = [_named(_COMMANDS, controlword), "halt" if controlword & 1 << 8 else ""]
     return ", ".join(filter(None, words))
+
+
+def mode_words(mode: int) -> str:
+    """Return the name of a mode of operation, empty for one of a manufacturer."""
+    return _MODES.get(mode, "")
 
 
 def _named(table: tuple[tuple[int, int, str], ...], word: int) -> str:
