@@ -69,6 +69,13 @@ def printed(
     raise AssertionError("no answer is stored")
 
 
+def imported(*arguments: str) -> set[str]:
+    """Return the modules that Python imports with these arguments."""
+    command = [sys.executable, "-X", "importtime", *arguments]
+    done = subprocess.run(command, capture_output=True, text=True, check=True)
+    return {line.rpartition("|")[2].strip() for line in done.stderr.splitlines()}
+
+
 def edited(name: str, old: str, new: str) -> Callable[[], None]:
     """Return an edit that leaves the size and the time of modification of a file as they are."""
 
@@ -293,6 +300,29 @@ def test_lint_prints_the_same_with_and_without_cache(
     assert err
     assert run([*command, "--no-cache"]) == code
     assert capfd.readouterr() == (out, err)
+
+
+def test_a_stored_answer_imports_little(project: Path) -> None:
+    """What prints it takes a few milliseconds; `typing` or `re` alone would double them."""
+    for _ in range(TRIES):
+        modules = imported("-m", "rtgen", *CHECK)
+        if "rtgen.cli" not in modules:
+            break
+    assert {each for each in modules if each.startswith("rtgen.")} <= {
+        "rtgen.compiler",
+        "rtgen.compiler.kit",
+        "rtgen.compiler.kit.own_files",
+        "rtgen.facts",
+        "rtgen.facts.looks",
+        "rtgen.facts.version",
+        "rtgen.tools",
+        "rtgen.tools.kit",
+        "rtgen.tools.kit.answers",
+        "rtgen.tools.kit.terminals",
+    }
+    of_python = imported("-c", "import runpy")
+    slow = {"click", "dataclasses", "enum", "json", "re", "typing"}
+    assert not (modules - of_python) & slow
 
 
 @pytest.mark.parametrize("code", ["IDL0200", "idl020", ""])

@@ -4,9 +4,8 @@ from __future__ import annotations
 
 import os
 
-TYPE_CHECKING = (
-    False  # that of typing takes longer to import than a stored answer to print
-)
+# That of typing takes longer to import than a stored answer to print.
+TYPE_CHECKING = False
 if TYPE_CHECKING:
     from typing import TextIO
 
