@@ -26,7 +26,7 @@ from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.nightly, pytest.mark.slow, pytest.mark.peer]
 STRONGEST = """each => {
     const stripe = getComputedStyle(each, "::before");
     const parts = stripe.backgroundColor.match(/[0-9]+/g).map(Number);

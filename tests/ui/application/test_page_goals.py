@@ -11,7 +11,7 @@ from ui_bench import WIDE, by_keyboard, pick, until
 
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.nightly, pytest.mark.slow, pytest.mark.peer]
 LABEL = "Map, scale bar"
 GOAL = "Navigation0.path"
 BODY = "Odometry0.OdometryPosition"
@@ -76,7 +76,6 @@ def test_a_distance_is_measured_by_mouse(page: Any, area: Any) -> None:
     until(page, lambda: measured.inner_text() == "")
 
 
-@pytest.mark.nightly
 def test_a_distance_is_measured_by_keyboard(page: Any, area: Any) -> None:
     page.get_by_role("button", name="Measure").press("Enter")
     area.focus()
@@ -130,7 +129,6 @@ def numbers(words: Any) -> list[float]:
     return [*map(float, re.findall(r"-?\d+\.\d+", words.inner_text()))]
 
 
-@pytest.mark.nightly
 def test_the_wheel_zooms_around_the_mouse(page: Any, area: Any) -> None:
     box = area.bounding_box()
     x, y = round(box["x"]) + 60, round(box["y"]) + 60

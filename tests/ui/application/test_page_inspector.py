@@ -11,7 +11,7 @@ from ui_bench import WIDE, by_both_hands, by_mouse, until
 
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.nightly, pytest.mark.slow, pytest.mark.peer]
 LENGTH = "dataport.inport.buffer.length"
 WHEELS = "RefHardRh30.OutWheelAngle"
 

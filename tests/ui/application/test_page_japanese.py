@@ -18,7 +18,7 @@ from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 from rtgen.ui.texts import in_language
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.nightly, pytest.mark.slow, pytest.mark.peer]
 RH3 = str(ROOT / "specs/navigation/rh3_goal.xml")
 BUS = str(ROOT / "specs/canopen/fourx.xml")
 BOARD = str(ROOT / "specs/tecs/rh3_board.xml")
@@ -123,7 +123,6 @@ def test_the_choice_of_a_language_is_remembered(
     assert page.evaluate("document.documentElement.lang") == "en"
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("width", [1440, 820, 390])
 def test_each_view_is_japanese(
     japanese_page: Any,

@@ -10,7 +10,7 @@ from ui_bench import reach, until
 
 from rtgen.ui.serving import Server
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.nightly, pytest.mark.slow, pytest.mark.peer]
 DEFAULTS = """() => {
     const frame = document.body.appendChild(document.createElement("iframe"));
     const plain = frame.contentDocument;

@@ -12,7 +12,7 @@ from ui_bench import ROOT, WIDE, until
 from rtgen import runtime
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.nightly, pytest.mark.slow, pytest.mark.peer]
 OBSTACLES = ROOT / "specs/navigation/obstacles.xml"
 
 

@@ -21,7 +21,7 @@ from rtgen.ui.protocol import ui
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.nightly, pytest.mark.slow, pytest.mark.peer]
 
 PANNING = 300
 """A view that pans during a drag has moved meanwhile [ms]."""
@@ -93,7 +93,6 @@ def test_they_are_steered_and_configured(
     until(page, lambda: limit() == before)
 
 
-@pytest.mark.nightly
 def test_they_are_not_controlled_all_at_once(page: Any) -> None:
     for name in ("Activate all", "Deactivate all", "Reset all"):
         everyone = page.get_by_role("button", name=name, exact=True)
@@ -105,7 +104,6 @@ def test_they_are_not_controlled_all_at_once(page: Any) -> None:
     tip.wait_for(state="detached")
 
 
-@pytest.mark.nightly
 def test_lines_between_their_boxes_are_drawn(
     page: Any, session: Session, names: str
 ) -> None:

@@ -16,7 +16,7 @@ from rtgen.ui.protocol import ui
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.nightly, pytest.mark.slow, pytest.mark.peer]
 OTHER = "rh3_path.xml"
 
 
@@ -48,7 +48,6 @@ def edit(page: Any, session: Session) -> None:
     page.get_by_text("unsaved edits").wait_for()
 
 
-@pytest.mark.nightly
 @by_both_hands
 def test_another_file_is_replaced_only_when_the_user_says_so(
     page: Any, session: Session, press: Callable[[Any], None]

@@ -122,6 +122,6 @@ def test_plots_say_what_is_left_out(page: Any, session: Session) -> None:
     values = page.get_by_role("region", name="PathFollower0.velocity")
     values.get_by_role("img", name="Values over time").wait_for()
     page.get_by_label("Speed").select_option("5")
-    values.get_by_text("Of older samples some are left out").wait_for()
+    values.get_by_text("Older parts of the plot show only some").wait_for()
     assert session.now > 2.0
     page.get_by_label("Speed").select_option("1")

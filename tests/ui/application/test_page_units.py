@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from ui_bench import select
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.nightly, pytest.mark.slow, pytest.mark.peer]
 
 
 def test_each_number_has_the_unit_of_its_member(page: Any) -> None:
