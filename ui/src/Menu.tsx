@@ -1,6 +1,7 @@
 /** A context menu, by mouse and by keyboard. */
 
 import { useLayoutEffect, useRef } from "react";
+import { Above } from "./kit/Above.tsx";
 
 export interface Item {
   name: string;
@@ -32,41 +33,43 @@ export function Menu({ place, items, close }: { place: Place; items: readonly It
     (before.current as HTMLElement | null)?.focus();
   };
   return (
-    <div
-      ref={menu}
-      className="menu"
-      role="menu"
-      aria-label={place.label}
-      onKeyDown={(e) => {
-        const each = [...e.currentTarget.children] as HTMLElement[];
-        const at = each.indexOf(e.target as HTMLElement);
-        const next = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: -1 }[e.key];
-        e.stopPropagation();
-        if (next !== undefined) each.at(next % each.length)!.focus();
-        else if (e.key === "Escape" || e.key === "Tab") end();
-        else return;
-        e.preventDefault();
-      }}
-      onBlur={(e) => e.currentTarget.contains(e.relatedTarget) || close()}
-    >
-      {items.map(({ name, act, obstacle = "", begins }) => (
-        <button
-          key={name}
-          type="button"
-          role="menuitem"
-          className={begins ? "begins" : ""}
-          aria-disabled={obstacle !== ""}
-          title={obstacle}
-          onClick={() => {
-            if (obstacle) return;
-            end();
-            act();
-          }}
-        >
-          {name}
-          {obstacle && <small>{obstacle}</small>}
-        </button>
-      ))}
-    </div>
+    <Above>
+      <div
+        ref={menu}
+        className="menu"
+        role="menu"
+        aria-label={place.label}
+        onKeyDown={(e) => {
+          const each = [...e.currentTarget.children] as HTMLElement[];
+          const at = each.indexOf(e.target as HTMLElement);
+          const next = { ArrowDown: at + 1, ArrowUp: at - 1, Home: 0, End: -1 }[e.key];
+          e.stopPropagation();
+          if (next !== undefined) each.at(next % each.length)!.focus();
+          else if (e.key === "Escape" || e.key === "Tab") end();
+          else return;
+          e.preventDefault();
+        }}
+        onBlur={(e) => e.currentTarget.contains(e.relatedTarget) || close()}
+      >
+        {items.map(({ name, act, obstacle = "", begins }) => (
+          <button
+            key={name}
+            type="button"
+            role="menuitem"
+            className={begins ? "begins" : ""}
+            aria-disabled={obstacle !== ""}
+            title={obstacle}
+            onClick={() => {
+              if (obstacle) return;
+              end();
+              act();
+            }}
+          >
+            {name}
+            {obstacle && <small>{obstacle}</small>}
+          </button>
+        ))}
+      </div>
+    </Above>
   );
 }

@@ -2,6 +2,7 @@
 
 import { X } from "lucide-react";
 import { useId, useLayoutEffect, useRef } from "react";
+import { Above } from "./kit/Above.tsx";
 import { Button } from "./kit/Button.tsx";
 import type { Component, PortAddress } from "./protocol/Ui.ts";
 import { t } from "./texts.ts";
@@ -57,49 +58,51 @@ export function UnfitCard({ unfit: { ends, reason, at }, close }: { unfit: Unfit
   };
   const rows = differences(reason);
   return (
-    <section
-      ref={card}
-      className="card unfit"
-      role="dialog"
-      aria-labelledby={id}
-      aria-describedby={rows.length ? `${id}-rows` : undefined}
-      tabIndex={-1}
-      onKeyDown={(e) => {
-        e.stopPropagation();
-        if (e.key === "Escape") end();
-      }}
-      onBlur={(e) => e.currentTarget.contains(e.relatedTarget) || close()}
-    >
-      <div className="title">
-        <h2 id={id}>{sentence(reason)}</h2>
-        <Button look="plain" className="icon" aria-label={t("Close the reason")} onClick={end}>
-          <X size={16} aria-hidden />
-        </Button>
-      </div>
-      {rows.length > 0 && (
-        <table id={`${id}-rows`}>
-          <thead>
-            <tr>
-              {ends.map((each, i) => (
-                <th key={i} scope="col">
-                  {`${each.instance}.${each.port}`}
-                </th>
-              ))}
-            </tr>
-          </thead>
-          <tbody>
-            {rows.map((row, i) => (
-              <tr key={i}>
-                {row.map((each, side) => (
-                  <td key={side}>
-                    <bdi>{each}</bdi>
-                  </td>
+    <Above>
+      <section
+        ref={card}
+        className="card unfit"
+        role="dialog"
+        aria-labelledby={id}
+        aria-describedby={rows.length ? `${id}-rows` : undefined}
+        tabIndex={-1}
+        onKeyDown={(e) => {
+          e.stopPropagation();
+          if (e.key === "Escape") end();
+        }}
+        onBlur={(e) => e.currentTarget.contains(e.relatedTarget) || close()}
+      >
+        <div className="title">
+          <h2 id={id}>{sentence(reason)}</h2>
+          <Button look="plain" className="icon" aria-label={t("Close the reason")} onClick={end}>
+            <X size={16} aria-hidden />
+          </Button>
+        </div>
+        {rows.length > 0 && (
+          <table id={`${id}-rows`}>
+            <thead>
+              <tr>
+                {ends.map((each, i) => (
+                  <th key={i} scope="col">
+                    {`${each.instance}.${each.port}`}
+                  </th>
                 ))}
               </tr>
-            ))}
-          </tbody>
-        </table>
-      )}
-    </section>
+            </thead>
+            <tbody>
+              {rows.map((row, i) => (
+                <tr key={i}>
+                  {row.map((each, side) => (
+                    <td key={side}>
+                      <bdi>{each}</bdi>
+                    </td>
+                  ))}
+                </tr>
+              ))}
+            </tbody>
+          </table>
+        )}
+      </section>
+    </Above>
   );
 }
