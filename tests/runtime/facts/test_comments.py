@@ -15,6 +15,7 @@ SENTENCES = [
     ("  Over two\n    lines, e.g. here.\n\n    Other.", "Over two lines, e.g. here."),
     ("Ends by a paragraph\n \nOther.", "Ends by a paragraph"),
     ("Is it 1.5 m? Yes.", "Is it 1.5 m?"),
+    ("At most approx. 5 of no. 3. Other.", "At most approx. 5 of no. 3."),
     ("速度です。位置です。", "速度です。"),
 ]
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import re
 
-_END = re.compile(r"\s*\n\s*\n|(?<=[.!?])\s+(?=[^a-z\s])|(?<=。)")
+_END = re.compile(r"\s*\n\s*\n|(?<=[.!?])\s+(?=[^a-z0-9\s])|(?<=。)")
 
 
 def split_sentence(text: str) -> tuple[str, str]:

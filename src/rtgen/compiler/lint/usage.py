@@ -65,10 +65,9 @@ def _provided(context: Context) -> Mapping[str, set[str]]:
         own.add(declaration.name[-1])
         if isinstance(declaration, Enum | Bitmask):
             own.update(member.name for member in declaration.members)
+    # Files follow their includes: only those that include each other need further rounds.
     grows = True
-    while (
-        grows
-    ):  # once more only where files include each other: others follow their includes
+    while grows:
         grows = False
         for file in context.model.files:
             provided = names[file.name]

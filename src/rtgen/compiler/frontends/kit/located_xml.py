@@ -179,9 +179,8 @@ class _Builder:
                 [MALFORMED.at(place, f"not well-formed XML: {message}", hint=hint)]
             ) from None
         finally:
-            del (
-                self._parser
-            )  # its handlers are methods of this, and so keep all elements
+            # Its handlers are methods of this, and so keep all elements.
+            del self._parser
         assert self._root is not None, "expat accepts no document without an element"
         return self._root
 
