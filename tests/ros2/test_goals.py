@@ -177,6 +177,34 @@ def test_five_goals_of_which_one_is_canceled(ends: Ends) -> None:
     ]
 
 
+def test_the_last_status_is_the_latest(ends: Ends) -> None:
+    """Also if the message before it takes longer than the rest of the goals."""
+    events = next(iter(ends.mover.consumers.values()))
+    carrier, statuses = events._provider, []
+
+    class Slow:
+        reachable = True
+
+        def call(self, operation: str, arguments: tuple[Any, ...]) -> object:
+            if operation != "status":
+                return carrier.call(operation, arguments)
+            [message] = arguments
+            sent = [each.status for each in message.status_list]
+            if GoalStatus.SUCCEEDED in sent:
+                until(lambda: not ends.server.goals)
+            statuses.append(sent)
+            return None
+
+    events._provider = Slow()
+    goals = [ends.send(float(x)) for x in range(3)]
+    ends.until(lambda: len(ends.feedback) == 3)
+    ends.server.go.set()
+    assert ends.status_of(*goals) == [GoalStatus.SUCCEEDED] * 3
+    until(lambda: statuses[-1] == [GoalStatus.SUCCEEDED] * 3)
+    until(lambda: not ends.server._status_sending)
+    assert statuses[-1] == [GoalStatus.SUCCEEDED] * 3
+
+
 def test_goals_are_bounded(stack: ExitStack, go: ModuleType) -> None:
     ends = Ends(
         stack,

@@ -39,7 +39,7 @@ from rtgen.runtime import (
     System,
 )
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.ros2 import dds_ends, dds_services, types
+from rtgen.runtime.ros2 import dds_ends, dds_services, services, types
 from rtgen.runtime.ros2.managed import EVENT_INFO
 from rtgen.runtime.ros2.network import RosNode, RosService
 from rtgen.runtime.ros2.services import (
@@ -112,8 +112,8 @@ def service(lamp: ModuleType) -> RosService:
     return RosService(*messages_of(lamp.Lamp, "set"), f"/lab/{NAME}", info)
 
 
-def served(lamp: ModuleType) -> tuple[System, Any]:
-    """Return a system with a provider, which is active, and a consumer."""
+def served(lamp: ModuleType, *, active: bool = True) -> tuple[System, Any]:
+    """Return a system with a provider and a consumer."""
     response = lamp.std_srvs.srv.SetBool_Response
 
     class Servant(lamp.Lamp):  # type: ignore[misc, name-defined]
@@ -131,8 +131,9 @@ def served(lamp: ModuleType) -> tuple[System, Any]:
     component.add_provider("power", "lamp", lamp.Lamp).set_servant(Servant())
     component.add_consumer("other", "lamp", lamp.Lamp)
     system.add(component, 100.0)
-    assert system.activate("Lamp0") == RTC_OK
-    system.run(20_000_000)
+    if active:
+        assert system.activate("Lamp0") == RTC_OK
+        system.run(20_000_000)
     return system, component
 
 
@@ -145,9 +146,50 @@ def joined(
     ports = component.providers if provides else component.consumers
     joint = ServiceJoint(next(iter(ports.values())), "set", service(lamp))
     stack.callback(network.close)
-    services = RosServices(network, [joint], wait)
-    stack.callback(services.close)
+    stack.callback(RosServices(network, [joint], wait).close)
     return component
+
+
+@pytest.mark.parametrize("lifetime", [PATIENCE, 0.0])
+def test_requests_before_the_first_activation(
+    lamp: ModuleType,
+    stack: ExitStack,
+    caplog: pytest.LogCaptureFixture,
+    monkeypatch: pytest.MonkeyPatch,
+    lifetime: float,
+) -> None:
+    """They wait for it, not too many and not for too long; after it none does."""
+    monkeypatch.setattr(services, "_EARLY_LIFETIME", lifetime)
+    monkeypatch.setattr(services, "_MAX_EARLY", 3)
+    system, component = served(lamp, active=False)
+    stack.callback(system.close)
+    servers: list[Any] = []
+    network = SimpleNamespace(turns=None, serve=lambda *pair: servers.append(pair[1]))
+    joint = ServiceJoint(next(iter(component.providers.values())), "set", service(lamp))
+    made = RosServices(network, [joint], system=system)  # type: ignore[arg-type]
+    stack.callback(made.close)
+    [take] = servers
+    replies: Queue[bytes] = Queue()
+    request = b"\x00\x01\x00\x00\x01"
+
+    def refusals() -> int:
+        return sum("is not active, so 'set'" in each for each in caplog.messages)
+
+    for _ in range(5 if lifetime else 3):
+        take(request, replies.put)
+    assert "a request waits until the component is active" in caplog.text
+    until(lambda: refusals() == (2 if lifetime else 0))
+    assert replies.empty()
+    assert system.activate("Lamp0") == RTC_OK
+    system.run(system.time + 20_000_000)
+    for _ in range(3 if lifetime else 0):
+        assert replies.get(timeout=PATIENCE).endswith(DONE)
+    assert system.deactivate("Lamp0") == RTC_OK
+    system.run(system.time + 20_000_000)
+    before = refusals()
+    take(request, replies.put)
+    until(lambda: refusals() == before + 1)
+    assert replies.empty()
 
 
 def dds_network() -> Any:

@@ -86,7 +86,8 @@ def join(
             network.observe(bag.observe)
         running.closing.at_halt(network.end_calls)
         files.callback(RosPorts(network, joints).close)
-        files.callback(RosServices(network, services, answers=served).close)
+        served_by = RosServices(network, services, answers=served, system=running)
+        files.callback(served_by.close)
         if found:
             join_devices(found, network, node, running, message_classes, files)
         if nodes:

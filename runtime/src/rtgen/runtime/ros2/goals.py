@@ -126,6 +126,7 @@ class GoalServer:
         self._working: dict[bytes, Iterator[Any] | None] = {}
         """The goals whose functions have not returned, with the generators."""
         self._threads = 0
+        self._status_changed = self._status_sending = False
         self._provider.set_servant(self._servant())
         component._put_before("on_deactivated", self.end)
         component._put_before("on_aborting", self.end)
@@ -330,16 +331,31 @@ class GoalServer:
         self._send("feedback", message)
 
     def _publish_status(self) -> None:
+        """Send the states of all goals, from one thread at a time, so that the latest is last."""
+        with self._changed:
+            self._status_changed = True
+            if self._status_sending:
+                return
+            self._status_sending = True
+        while (message := self._next_status()) is not None:
+            self._send("status", message)
+
+    def _next_status(self) -> Any:
+        """Return a message with the states of all goals; None after the last change was sent."""
         class_: Any = message_of(self._events.interface, "status")
         message = blank(class_._descriptor_)
         element: Any = class_._descriptor_.members[0].type.element
         with self._changed:
+            self._status_sending = self._status_changed
+            if not self._status_changed:
+                return None
+            self._status_changed = False
             for goal in self._goals.values():
                 each = blank(element)
                 each.goal_info = self._info(goal, each.goal_info)
                 each.status = int(goal.status)
                 message.status_list.append(each)
-        self._send("status", message)
+        return message
 
     def _send(self, operation: str, message: Any) -> None:
         try:

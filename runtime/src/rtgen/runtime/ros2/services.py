@@ -7,10 +7,11 @@ An operation is a service if its argument is a request of ROS 2 and its result t
 from __future__ import annotations
 
 import threading
+import time
 from _thread import interrupt_main
 from collections.abc import Callable, Iterable
 from functools import partial
-from typing import Any
+from typing import TYPE_CHECKING, Any
 
 import msgspec
 
@@ -21,6 +22,7 @@ from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.failures import ends_run, log
 from rtgen.runtime.marshalling.descriptors import StructDescriptor, plain
+from rtgen.runtime.return_codes import ACTIVE_STATE
 from rtgen.runtime.ros2.network import (
     Call,
     Ros2Error,
@@ -39,6 +41,13 @@ from rtgen.runtime.services.servants import (
     ServiceError,
 )
 
+if TYPE_CHECKING:
+    from rtgen.runtime.system.records import StateRecord
+    from rtgen.runtime.system.system import System
+
+_MAX_EARLY = 64
+_EARLY_LIFETIME = 10.0
+"""Number of requests of an operation that wait for its component, and for how long [s]."""
 _NO_LIMIT = 86_400.0
 """Time-out of calls without a limit, in seconds; the loss of the server ends them."""
 
@@ -108,6 +117,46 @@ def _only(body: type[Any] | None) -> type[Any] | None:
     return None
 
 
+class _Start:
+    """Keeps the requests to a provider that come before its component is ACTIVE for the first time.
+
+    ROS 2 has no errors: their clients, who see the service, would wait in vain.
+    """
+
+    def __init__(self, provider: Provider[Any]) -> None:
+        self.instance = provider.owner
+        self._provider = provider
+        self._lock = threading.Lock()
+        self._has_begun = False
+        self._requests: list[tuple[float, Callable[[], None]]] = []
+
+    def keep(self, request: Callable[[], None]) -> bool:
+        """Return whether a request waits; it is called later."""
+        with self._lock:
+            if self._has_begun or self._provider.exists:
+                return False
+            latest = time.monotonic() - _EARLY_LIFETIME
+            self._requests = [each for each in self._requests if each[0] > latest]
+            if len(self._requests) >= _MAX_EARLY:
+                return False
+            if not self._requests:
+                log.warning(
+                    "%s: a request waits until the component is active", self._provider
+                )
+            self._requests.append((time.monotonic(), request))
+            return True
+
+    def begin(self) -> None:
+        """Let the requests go on, except those that have waited for too long."""
+        with self._lock:
+            self._has_begun = True
+            requests, self._requests = self._requests, []
+        latest = time.monotonic() - _EARLY_LIFETIME
+        for came, request in requests:
+            if came > latest:
+                request()
+
+
 class Server(msgspec.Struct, eq=False):
     """Answers the requests of a service by a function, in separate threads.
 
@@ -119,10 +168,15 @@ class Server(msgspec.Struct, eq=False):
     _function: Callable[[Any], Any]
     _workers: Workers
     _queue: str | None = None
+    start: _Start | None = None
 
     def take(self, octets: bytes, reply: Reply) -> None:
         """Queue a request."""
         work = partial(self._answer, octets, reply)
+        if self.start is None or not self.start.keep(partial(self._submit, work)):
+            self._submit(work)
+
+    def _submit(self, work: Callable[[], None]) -> None:
         if not self._workers.submit(work, self._queue):
             log.warning("%s: a request is left out: too many wait", self._service.name)
 
@@ -247,9 +301,12 @@ class RosServices:
         joints: Iterable[ServiceJoint | EventJoint],
         timeout: float = 10.0,
         answers: Iterable[Answer] = (),
+        *,
+        system: System | None = None,
     ) -> None:
         """Serve and connect the operations. Raises Ros2Error.
 
+        Requests that come before a component of `system` is ACTIVE for the first time wait for it.
         Those of `answers` that the network cannot serve are reported and left out.
         """
         self._network = network
@@ -258,6 +315,10 @@ class RosServices:
         self._in_order = Workers(1)
         self._workers = [self._short, self._in_order]
         self._consumers: dict[int, tuple[Consumer[Any], _Carrier]] = {}
+        self._starts: list[_Start] = []
+        self._system = system
+        if system is not None:
+            system.watch_states(self._on_state)
         for joint in joints:
             if isinstance(joint, EventJoint):
                 self._join_event(joint)
@@ -282,13 +343,23 @@ class RosServices:
                 workers = Workers()
                 self._workers.append(workers)
             carry_out = _carried_out(joint, self._network.turns)
-            server = Server(joint.service, carry_out, workers)
+            start = None
+            if self._system is not None:
+                start = _Start(joint.port)
+                self._starts.append(start)
+            server = Server(joint.service, carry_out, workers, start=start)
             self._network.serve(joint.service, server.take)
             return
         call = self._network.client(joint.service)
         timeout = _NO_LIMIT if joint.waits else self._timeout
         carrier = self._carrier(joint.port)
         carrier.operations[joint.operation] = _requested(joint, call, timeout)
+
+    def _on_state(self, record: StateRecord) -> None:
+        if record.after is ACTIVE_STATE:
+            for start in self._starts:
+                if start.instance == record.instance:
+                    start.begin()
 
     def _join_event(self, joint: EventJoint) -> None:
         if isinstance(joint.port, Provider):
@@ -309,6 +380,7 @@ class RosServices:
 
     def close(self) -> None:
         """Stop serving."""
+        self._starts.clear()
         for workers in self._workers:
             workers.close()
         for consumer, carrier in self._consumers.values():
