@@ -54,7 +54,7 @@ test: $(VENV)/uv.stamp
 	$(MAKE) --no-print-directory -j 4 pytest waits $(if $(WING),,lint types imports drift)
 
 # What takes longer: the random tests with other inputs, drawn by the seed of the commit (RTGEN_SEED=N sets
-# another), a third of the tests marked `nightly` and of the fast tests on a further interpreter (RTGEN_BUDGET=1:
+# another), a quarter of the tests marked `nightly` and of the fast tests on a further interpreter (RTGEN_BUDGET=1:
 # all, with the coverage of lines), and what a release consists of.
 nightly: export RTGEN_SEED ?= $(shell $(PYTHON) tests/seeds.py)
 nightly: $(VENV)/uv.stamp $(VENV)/release.stamp page

@@ -1,7 +1,7 @@
 """Builds the wheel and runs the fast tests on it with another interpreter.
 
 One of those found, chosen by the commit, so that commits try them in turn; `--all` tries each.
-Of the tests a third, chosen by the seed, unless the budget is for all (`seeds`).
+Of the tests a quarter, chosen by the seed, unless the budget is for all (`seeds`).
 `--lowest` uses this interpreter and the lowest versions that pyproject.toml allows. `--install`
 makes the environments alone, `--installed` runs the tests in those that were made. `--version`
 prints which of all versions the commit is type-checked for.

@@ -5,7 +5,7 @@ draws by a seed that depends on the commit, `make fuzz` other inputs each time. 
 a seed, for example that of a failed run, which pytest prints in its header. `RTGEN_BUDGET`
 multiplies the numbers of drawn inputs that tests state, by default 0.2; the workflow takes 5
 each night, `make fuzz` 30. From 1 on, `make nightly` runs all of its tests, instead of a
-third of them.
+quarter of them.
 """
 
 from __future__ import annotations
@@ -20,7 +20,7 @@ from pathlib import Path
 ROOT = Path(__file__).resolve().parent.parent
 SEED = 10_769_057
 """The seed of `make test`."""
-TURNS = 3
+TURNS = 4
 """A commit takes one of so many parts of the tests of `make nightly`."""
 _SEED_DISTANCE = 10_000_000
 """Distance between the first cases of two seeds."""
