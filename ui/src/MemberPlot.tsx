@@ -20,7 +20,8 @@ export function unitsOf(system: SystemState, channel: Channel): (path: string) =
   return (path) => units.get(path.replace(/\[[^\]]*\]/g, "")) ?? "";
 }
 
-const isTime = (path: string): boolean => /^tm\b/.test(path);
+/** Whether a member is of the time stamp, which plots do not show. */
+export const isTime = (path: string): boolean => /^tm\b/.test(path);
 
 interface Props {
   id: string;

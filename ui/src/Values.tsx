@@ -2,13 +2,21 @@
 
 import { useMemo } from "react";
 import { Elsewhere } from "./Elsewhere.tsx";
-import { MemberPlot, portOf } from "./MemberPlot.tsx";
+import { isTime, MemberPlot, portOf } from "./MemberPlot.tsx";
 import { usePlots } from "./members.ts";
 import { Span } from "./Plot.tsx";
 import type { Component, SystemState } from "./protocol/Ui.ts";
 import { rich } from "./rich.tsx";
 import { leaves, store } from "./store.ts";
 import { t } from "./texts.ts";
+
+/** The members of a sample by their paths; a time stamp is one, in seconds. */
+function membersOf(sample: unknown): [string, unknown][] {
+  const members = leaves(sample);
+  const [sec, nsec] = ["tm.sec", "tm.nsec"].map((path) => members.find(([each]) => each === path)?.[1]);
+  if (sec === undefined || nsec === undefined) return members;
+  return [["tm", `${String(sec)}.${String(nsec).padStart(9, "0")} s`], ...members.filter(([path]) => !isTime(path))];
+}
 
 export function Values({ system, component, select }: { system: SystemState; component: Component; select: (instance: string) => void }) {
   const plots = usePlots();
@@ -30,8 +38,8 @@ export function Values({ system, component, select }: { system: SystemState; com
     const other = shown.find((each) => each.beside && portOf(each) === name);
     const [track, beside] = [store.tracks.get(channel.id), other && store.tracks.get(other.id)];
     const rows = track?.times.length ? track : beside;
-    const texts = new Map(leaves(beside?.value));
-    const others = leaves(rows?.value).filter(([path]) => !rows?.numbers.has(path) || /^tm\b/.test(path));
+    const texts = new Map(membersOf(beside?.value));
+    const others = membersOf(rows?.value).filter(([path]) => !rows?.numbers.has(path) || isTime(path));
     const id = `values ${name}`;
     return (
       <section key={channel.id} aria-label={name}>

@@ -66,6 +66,8 @@ def zoomed(page: Any) -> tuple[float, float] | None:
 
 def test_a_drag_zooms_and_a_double_click_shows_all(page: Any, pose: Any) -> None:
     whole = cells(pose)
+    [stamp] = pose.get_by_role("table", name=f"Texts of {POSE}").locator("tr").all()
+    assert re.fullmatch(r"tm\s+\d+\.\d{9} s\s*", stamp.inner_text())
     box = pose.locator(".u-over").bounding_box()
     y = box["y"] + box["height"] / 2
     page.mouse.move(box["x"] + 0.5 * box["width"], y)
