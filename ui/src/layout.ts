@@ -2,7 +2,6 @@
 
 import ELK from "elkjs/lib/elk-api.js";
 import type { ElkNode, ElkPort } from "elkjs/lib/elk-api.js";
-import program from "elkjs/lib/elk-worker.min.js?url";
 import type { Line } from "./lines.ts";
 import type { Component, Connection, Location, Port } from "./protocol/Ui.ts";
 import { CLEAR, isClear } from "./routes.ts";
@@ -282,7 +281,7 @@ export function layouter(): Engine {
   const failed = new Promise<never>((_, reject) => (fail = reject));
   failed.catch(() => (engine = undefined));
   const workerFactory = () => {
-    const worker = new Worker(program);
+    const worker = new Worker(new URL("./elk.ts", import.meta.url));
     worker.onerror = (e) => fail(new Error(e.message || t("its worker has ended")));
     return worker;
   };

@@ -36,12 +36,18 @@ class Description:
 
     def __init__(self, types: TypeTable) -> None:
         self.types = types
+        self._numbers: dict[Any, int] = {}
 
     def type_number(self, type_: Any) -> int:
         """Return the number of the type of a port; NO_TYPE if its samples are JSON."""
-        if cdr_encoder(type_) is None:
-            return NO_TYPE
-        return self.types.number(type_._descriptor_)
+        if type_ not in self._numbers:
+            number = (
+                NO_TYPE
+                if cdr_encoder(type_) is None
+                else self.types.number(type_._descriptor_)
+            )
+            self._numbers[type_] = number
+        return self._numbers[type_]
 
     def component(
         self,

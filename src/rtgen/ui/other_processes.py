@@ -14,7 +14,7 @@ from rtgen.facts.openrtm_ports import KIND
 from rtgen.runtime.distribution.local_link import LEFT_OUT
 from rtgen.runtime.distribution.local_runs import Changed, Noted, OnBoard, OnBus
 from rtgen.runtime.timing.clocks import SECOND
-from rtgen.tools.kit.member_units import MemberUnits
+from rtgen.tools.kit.member_units import of_type
 from rtgen.ui import boards
 from rtgen.ui.description import STATES_BY_NAME, member_units
 from rtgen.ui.protocol import ui
@@ -221,7 +221,7 @@ class OtherProcesses:
         number, units = NO_TYPE, port.units
         if port.type and (type_ := project.data_type(port.type)) is not None:
             number = describe.type_number(type_)
-            units = member_units(MemberUnits(type_, port.unit))
+            units = member_units(of_type(type_, port.unit))
         interfaces = [
             (
                 replace(each, operations=describe.operations(interface))

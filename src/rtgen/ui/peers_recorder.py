@@ -9,7 +9,7 @@ from typing import Any, Final
 
 from rtgen.runtime.system.records import MissingSamples
 from rtgen.runtime.timing.steady import steady_utc
-from rtgen.tools.kit.member_units import MemberUnits
+from rtgen.tools.kit.member_units import of_type
 from rtgen.tools.recording import messages
 from rtgen.tools.recording.channels import LAYOUT, Channels, Writer, unit_entries
 from rtgen.tools.recording.lasting_writer import LastingWriter
@@ -100,7 +100,7 @@ class PeersRecorder:
         """Return what records samples of an OutPort, of a type that CDR encodes."""
         key = instance, port
         if key not in self._of_ports:
-            units = {".".join(p): u for p, u in MemberUnits(type_, unit).units.items()}
+            units = {".".join(p): u for p, u in of_type(type_, unit).units.items()}
             entries = {"during": "", **unit_entries(unit, units)}
             self._of_ports[key] = self._channels.of_port(instance, port, type_, entries)
         channel, put, now = self._of_ports[key], self._writer.put, self._now

@@ -13,6 +13,7 @@ from concurrent.futures import ThreadPoolExecutor
 from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
+from mimetypes import guess_type
 from pathlib import Path
 from typing import Any, Final
 
@@ -110,6 +111,8 @@ class Tokens:
 def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette:
     """Return the ASGI application. The session's runner must be started."""
     commands = session if isinstance(session, Recorded) else Commands(session)
+    # Compiled while the first page is on its way.
+    _ENCODING[True].submit(lambda: (ui.ServerMessage.to_cdr, ui.ClientMessage.from_cdr))
     pages = Counter[bool]()
     joining = Rates(JOINS, JOINS, JOINS)
 
@@ -188,7 +191,8 @@ def _file(
     async def serve(request: Request) -> Response:
         path = page / name(request)
         if path.is_file():
-            return FileResponse(path)
+            # Whole: a page waits for all of it.
+            return Response(path.read_bytes(), media_type=guess_type(path)[0])
         return PlainTextResponse("not found", 404)
 
     return serve

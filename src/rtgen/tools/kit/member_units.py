@@ -5,7 +5,7 @@ from __future__ import annotations
 import ast
 import inspect
 from collections.abc import Callable, Iterator, Mapping
-from functools import cache
+from functools import cache, lru_cache
 from itertools import islice
 from pathlib import Path
 from typing import Any, Final, TypeAlias
@@ -32,6 +32,7 @@ _TIME: Final = "tm"
 _REALS: Final = ("float", "double", "long double")
 _INTEGERS: Final = ("short", "long", "octet", "int8", "uint8")
 _MAX_LEAVES: Final = 1000
+_MAX_TYPES: Final = 1000
 
 
 Units: TypeAlias = Callable[[MemberPath], str]
@@ -48,7 +49,14 @@ def units_of(
 ) -> MemberUnits:
     """Return the units of the members of a data port of a component."""
     stated = {each.name: each.unit for each in profile.ports if not each.port}
-    return MemberUnits(port.type, stated.get(port.name, ""))
+    type_: Any = port.type
+    return of_type(type_, stated.get(port.name, ""))
+
+
+@lru_cache(_MAX_TYPES)
+def of_type(type_: Any, stated: str = "") -> MemberUnits:
+    """Return the units of the members of a type, with the unit that a port states."""
+    return MemberUnits(type_, stated)
 
 
 class MemberUnits:
