@@ -8,11 +8,18 @@ from pathlib import Path
 
 import pytest
 import seeds
+from msgspec.structs import replace
 
 from rtgen.cli import run
 from rtgen.compiler.backends.canopen.xdd_text import xdd_text
 from rtgen.compiler.frontends.eds import load
-from rtgen.compiler.model.canopen import Access, DataType, Device, Variable
+from rtgen.compiler.model.canopen import (
+    Access,
+    Commissioning,
+    DataType,
+    Device,
+    Variable,
+)
 
 ROOT = Path(__file__).parents[3]
 SPECS = ROOT / "specs" / "canopen"
@@ -129,6 +136,38 @@ def test_information(tmp_path: Path) -> None:
     assert device.vendor_id == 302
     assert (device.file_info.version, device.file_info.revision) == (2, 1)
     assert device.file_info.created == ("", "01:05PM")
+
+
+def test_what_the_schema_requires_is_written_without_a_value(tmp_path: Path) -> None:
+    device = described(tmp_path, "><UINT/>", REFERENCE)
+    bare = replace(device, commissioning=Commissioning())
+    file = tmp_path / "bare.xdc"
+    file.write_text(xdd_text(bare), encoding="utf-8")
+    text = file.read_text(encoding="utf-8")
+    assert (
+        'NodeID="0" nodeName="" actualBaudRate="" networkNumber="0" networkName="" '
+        'CANopenManager="false"' in text
+    )
+    assert 'supportedBaudRate value="250 Kbps"' in text
+    (again,) = load([file], root=tmp_path).model.devices
+    assert again.commissioning == bare.commissioning
+    assert again.info == bare.info
+    impossible = replace(bare.file_info, created=("13-45-2020", "25:99PM"))
+    text = xdd_text(replace(bare, file_info=impossible))
+    assert 'fileCreationDate="0001-01-01"' in text
+    file.write_text(text, encoding="utf-8")
+    (again,) = load([file], root=tmp_path).model.devices
+    assert again.file_info.created == impossible.created
+
+
+@pytest.mark.parametrize("name", ["NodeID", "nodeID"])
+def test_a_node_id_has_one_of_two_names(name: str, tmp_path: Path) -> None:
+    device = described(tmp_path, "><UINT/>", REFERENCE)
+    text = xdd_text(replace(device, commissioning=Commissioning(node_id=7)))
+    file = tmp_path / "one.xdc"
+    file.write_text(text.replace(" NodeID=", f" {name}="), encoding="utf-8")
+    (again,) = load([file], root=tmp_path).model.devices
+    assert again.node_id == 7
 
 
 def test_a_description_in_xml_is_a_source_of_a_project(

@@ -24,8 +24,8 @@ from rtgen.compiler.typemap.canopen.xdd import (
     FIELDS,
     NAMESPACES,
     NETWORK_BODY,
-    NO_DATE,
     OCTETS,
+    PRESET_RATE,
     TYPES,
     XSI,
     Body,
@@ -54,8 +54,6 @@ _DEVICE_ORDER = (
     "productText",
     "orderNumber",
 )
-_REQUIRED = "Granularity"
-"""The key of an attribute that the schema requires, without a value for "not known"."""
 _ATTRIBUTES = (
     ("LowLimit", "lowLimit"),
     ("HighLimit", "highLimit"),
@@ -129,11 +127,13 @@ class _Writer:
     def _values(self) -> Iterator[tuple[Field, str]]:
         """Yield the fields with their texts; note keys that would be read as others."""
         for field in FIELDS:
+            if field.section not in self._sections:
+                continue
             value = self._take(field.section, field.key)
-            text = field.write(value)
-            if field.read(text) != value or (field.key == _REQUIRED and not value):
+            text = field.write(value) or field.absent
+            if field.read(text or "") != value:
                 self._others.append((extension(field.section, field.key), value))
-            if text:
+            if text is not None and (text or field.attribute):
                 yield field, text
 
     def _take(self, section: str, key: str) -> str:
@@ -152,9 +152,6 @@ class _Writer:
         name = "device" if is_device else "communication network"
         class_ = "Device" if is_device else "CommunicationNetwork"
         of_file = {f.attribute: v for f, v in values.items() if not f.path}
-        of_file.setdefault("fileName", "")
-        of_file.setdefault("fileCreator", "")
-        of_file.setdefault("fileCreationDate", NO_DATE)
         of_file["fileVersion"] = self._version
         node = _local(
             "ProfileBody",
@@ -234,8 +231,6 @@ class _Writer:
         for field, text in values.items():
             if field.path[:1] == ("NetworkManagement",):
                 by_element.setdefault(field.path[1], {})[field.attribute] = text
-        features = by_element.setdefault("CANopenGeneralFeatures", {})
-        features.setdefault("granularity", "1")
         by_element.setdefault("CANopenMasterFeatures", {})
         counts = {
             f"{name[0].lower()}{name[1:]}": self._take(name, "SupportedObjects")
@@ -263,9 +258,16 @@ class _Writer:
         ]
 
     def _bit_rates(self) -> Iterator[_Node]:
-        for rate in BIT_RATES:
-            if self._take("DeviceInfo", f"BaudRate_{rate}") == "1":
-                yield _local("supportedBaudRate", value=f"{rate} Kbps")
+        stated = {
+            rate: self._take("DeviceInfo", f"BaudRate_{rate}") for rate in BIT_RATES
+        }
+        rates = [rate for rate, flag in stated.items() if flag == "1"]
+        if not rates:
+            rates = [PRESET_RATE]
+            name = extension("DeviceInfo", f"BaudRate_{PRESET_RATE}")
+            self._others.append((name, stated[PRESET_RATE]))
+        for rate in rates:
+            yield _local("supportedBaudRate", value=f"{rate} Kbps")
 
     def _gaps(self) -> Iterator[_Node]:
         for code in DUMMIES:

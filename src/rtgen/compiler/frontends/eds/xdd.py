@@ -164,10 +164,9 @@ class _Reader(msgspec.Struct, eq=False):
                 continue
             section = self._section(field.section, (found if field.path else body).span)
             if field.attribute:
-                value = found.get("", field.attribute).strip()
-                self._add(
-                    section, field.key, field.read(value), found.place(field.attribute)
-                )
+                for name in filter(None, (field.attribute, field.other)):
+                    value = field.read(found.get("", name).strip())
+                    self._add(section, field.key, value, found.place(name))
             else:
                 self._add(section, field.key, field.read(line(found.text)), found.span)
         first = bodies.get(Body.DEVICE) or bodies[Body.NETWORK]

@@ -8,10 +8,13 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable
+from contextlib import suppress
+from datetime import date
 from enum import Enum
-from typing import Final
+from typing import Final, TypeAlias
 
 import msgspec
+from msgspec.structs import replace
 
 from rtgen.compiler.model.canopen import Access, DataType
 
@@ -36,6 +39,9 @@ EXTENSION: Final = re.compile(r"EDS \[([^\]]*)\] (.*)", re.DOTALL)
 """The name of a characteristic with a key of an EDS."""
 
 
+Conversion: TypeAlias = Callable[[str], str]
+
+
 def extension(section: str, key: str) -> str:
     """Return the name of the characteristic with a key of an EDS."""
     return f"EDS [{section}] {key}"
@@ -57,8 +63,10 @@ def _date_out(text: str) -> str:
     match = _DATE.fullmatch(text)
     if match is None:
         return ""
-    month, day, year = match.groups()
-    return f"{year}-{month:0>2}-{day:0>2}"
+    month, day, year = map(int, match.groups())
+    with suppress(ValueError):
+        return date(year, month, day).isoformat()
+    return ""
 
 
 def _time_in(text: str) -> str:
@@ -71,7 +79,7 @@ def _time_in(text: str) -> str:
 
 def _time_out(text: str) -> str:
     match = _TIME.fullmatch(text)
-    if match is None:
+    if match is None or int(match[1]) > 12 or int(match[2]) > 59:
         return ""
     hour = int(match[1]) % 12 + (12 if match[3].upper() == "P" else 0)
     return f"{hour:02}:{match[2]}:00"
@@ -109,7 +117,8 @@ class Field(msgspec.Struct, frozen=True):
     """A key of an EDS, and its place in a profile.
 
     `path` are the names of the elements below the profile's body. `attribute` is that of the last
-    element, or empty for its text. `read` and `write` convert the text.
+    element, or empty for its text. `read` and `write` convert the text. `absent` is written
+    without a value, where the schema requires the attribute; `other` is a further name of it.
     """
 
     section: str
@@ -117,17 +126,24 @@ class Field(msgspec.Struct, frozen=True):
     body: Body
     path: tuple[str, ...]
     attribute: str = ""
-    read: Callable[[str], str] = _same
-    write: Callable[[str], str] = _same
+    read: Conversion = _same
+    write: Conversion = _same
+    absent: str | None = None
+    other: str = ""
 
 
 _FEATURES = ("NetworkManagement", "CANopenGeneralFeatures")
 _MASTER = ("NetworkManagement", "CANopenMasterFeatures")
-_COMMISSIONING = ("NetworkManagement", "deviceCommissioning")
 
 
-def _of_file(key: str, attribute: str, *convert: Callable[[str], str]) -> Field:
-    return Field("FileInfo", key, Body.DEVICE, (), attribute, *convert)
+def _of_file(
+    key: str,
+    attribute: str,
+    read: Conversion = _same,
+    write: Conversion = _same,
+    absent: str | None = None,
+) -> Field:
+    return Field("FileInfo", key, Body.DEVICE, (), attribute, read, write, absent)
 
 
 def _identity(section: str, key: str, *path: str) -> Field:
@@ -139,18 +155,32 @@ def _network(
     key: str,
     path: tuple[str, ...],
     attribute: str,
-    *convert: Callable[[str], str],
+    read: Conversion = _same,
+    write: Conversion = _same,
+    absent: str | None = None,
 ) -> Field:
-    return Field(section, key, Body.NETWORK, path, attribute, *convert)
+    return Field(section, key, Body.NETWORK, path, attribute, read, write, absent)
+
+
+def _commissioning(
+    key: str,
+    attribute: str,
+    read: Conversion = _same,
+    write: Conversion = _same,
+    absent: str = "",
+) -> Field:
+    path = ("NetworkManagement", "deviceCommissioning")
+    place = ("DeviceComissioning", key, path, attribute)
+    return _network(*place, read, write, absent)
 
 
 _FLAG = (_flag_in, _flag_out)
 _NUMBER = (_same, _number_out)
 
 FIELDS: Final = (
-    _of_file("FileName", "fileName"),
-    _of_file("CreatedBy", "fileCreator"),
-    _of_file("CreationDate", "fileCreationDate", _date_in, _date_out),
+    _of_file("FileName", "fileName", absent=""),
+    _of_file("CreatedBy", "fileCreator", absent=""),
+    _of_file("CreationDate", "fileCreationDate", _date_in, _date_out, absent=NO_DATE),
     _of_file("CreationTime", "fileCreationTime", _time_in, _time_out),
     _of_file("ModifiedBy", "fileModifiedBy"),
     _of_file("ModificationDate", "fileModificationDate", _date_in, _date_out),
@@ -165,7 +195,9 @@ FIELDS: Final = (
     _network(
         "DeviceInfo", "DynamicChannelsSupported", _FEATURES, "dynamicChannels", *_NUMBER
     ),
-    _network("DeviceInfo", "Granularity", _FEATURES, "granularity", *_NUMBER),
+    _network(
+        "DeviceInfo", "Granularity", _FEATURES, "granularity", *_NUMBER, absent="1"
+    ),
     _network("DeviceInfo", "NrOfRXPDO", _FEATURES, "nrOfRxPDO", *_NUMBER),
     _network("DeviceInfo", "NrOfTXPDO", _FEATURES, "nrOfTxPDO", *_NUMBER),
     _network("DeviceInfo", "SimpleBootUpSlave", _FEATURES, "bootUpSlave", *_FLAG),
@@ -173,23 +205,20 @@ FIELDS: Final = (
         "DeviceInfo", "LSS_Supported", _FEATURES, "layerSettingServiceSlave", *_FLAG
     ),
     _network("DeviceInfo", "SimpleBootUpMaster", _MASTER, "bootUpMaster", *_FLAG),
-    _network("DeviceComissioning", "NodeID", _COMMISSIONING, "NodeID", *_NUMBER),
-    _network("DeviceComissioning", "NodeName", _COMMISSIONING, "nodeName"),
-    _network(
-        "DeviceComissioning", "Baudrate", _COMMISSIONING, "actualBaudRate", rate_in
-    ),
-    _network(
-        "DeviceComissioning", "NetNumber", _COMMISSIONING, "networkNumber", *_NUMBER
-    ),
-    _network("DeviceComissioning", "NetworkName", _COMMISSIONING, "networkName"),
-    _network(
-        "DeviceComissioning", "CANopenManager", _COMMISSIONING, "CANopenManager", *_FLAG
-    ),
+    # CiA 311 calls it nodeID, CANopenEditor's schema and program NodeID.
+    replace(_commissioning("NodeID", "NodeID", *_NUMBER, absent="0"), other="nodeID"),
+    _commissioning("NodeName", "nodeName"),
+    _commissioning("Baudrate", "actualBaudRate", rate_in),
+    _commissioning("NetNumber", "networkNumber", *_NUMBER, absent="0"),
+    _commissioning("NetworkName", "networkName"),
+    _commissioning("CANopenManager", "CANopenManager", *_FLAG, absent="false"),
 )
 """The keys of an EDS or DCF that are one attribute or element."""
 
 BIT_RATES: Final = (10, 20, 50, 100, 125, 250, 500, 800, 1000)
 """The bit rates that CiA 311 has words for, in kbit/s."""
+PRESET_RATE: Final = 250
+"""The bit rate that a file which states none has by the schema, which requires one, in kbit/s."""
 DUMMIES: Final = range(1, 8)
 """The data types that CiA 311 has gaps of."""
 

@@ -21,6 +21,7 @@ from rtgen.compiler.model.canopen import (
     Value,
     Variable,
 )
+from rtgen.compiler.typemap.canopen.xdd import BIT_RATES, PRESET_RATE
 
 _IDENTITY = 0x1018
 _IDENTITY_PARTS = ("Vendor-ID", "Product code", "Revision number")
@@ -28,14 +29,22 @@ _MANDATORY = "CiA 301, 7.5.2 has it in each device"
 _U8, _U32 = DataType.UNSIGNED8, DataType.UNSIGNED32
 
 
-def completed(device: Device) -> tuple[Device, list[Diagnostic]]:
-    """Return a device with its mandatory objects, and a note of each object that was added.
+def completed(
+    device: Device, *, in_xml: bool = False
+) -> tuple[Device, list[Diagnostic]]:
+    """Return a device with its mandatory objects, and a note of each thing that was added.
 
     Objects 1000h, 1001h and 1018h with sub-index 1 are mandatory, and the mapping of each PDO (CiA
-    301, 7.5.2).
+    301, 7.5.2). `in_xml` tells what an XDD or XDC says beside that.
     """
     objects = {thing.index: thing for thing in device.objects}
     notes = []
+    if in_xml and not {*device.info.bit_rates} & {*BIT_RATES}:
+        message = (
+            f"{PRESET_RATE} kbit/s is the bit rate for other tools: the file has none, CiA 311's "
+            "schema requires one"
+        )
+        notes.append(CHANGED.at(device.span, message))
     for thing, why in _missing(device, objects):
         objects[thing.index] = thing
         message = f"{thing.index:04X}h, {thing.name}, is added: {why}"

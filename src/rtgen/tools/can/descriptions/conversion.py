@@ -8,7 +8,12 @@ from msgspec.structs import replace
 
 from rtgen.compiler.diagnostics import has_errors, in_order
 from rtgen.compiler.model.canopen import Commissioning, Device, FileInfo
-from rtgen.facts.device_files import DEVICE_SUFFIXES, is_configured, is_device_file
+from rtgen.facts.device_files import (
+    DEVICE_SUFFIXES,
+    XML_SUFFIXES,
+    is_configured,
+    is_device_file,
+)
 from rtgen.facts.files import read_file
 from rtgen.facts.version import __version__
 from rtgen.tools.can.descriptions.changes import changes
@@ -19,7 +24,7 @@ from rtgen.tools.kit.exits import BAD_INPUT, Refusal, ReportedError
 
 OF_DEVICES = tuple(suffix[1:] for suffix in DEVICE_SUFFIXES)
 _OTHERS = {"eds": "xdd", "dcf": "xdc", "xdd": "eds", "xdc": "dcf"}
-_XML = ("xdd", "xdc")
+_XML = tuple(suffix[1:] for suffix in XML_SUFFIXES)
 
 
 def converted_device(
@@ -41,7 +46,7 @@ def converted_device(
     if not read.model.devices or has_errors(read.diagnostics):
         console.findings(read.diagnostics, read.sources)
         raise ReportedError(BAD_INPUT)
-    device, added = completed(read.model.devices[0])
+    device, added = completed(read.model.devices[0], in_xml=form in _XML)
     device = _named(_as_configured(device, is_configured(target), node_id), target)
     text = written(device, form, f"Written by rtgen {__version__} from {path.name}.")
     notes = changes(path, read_file(path), read.diagnostics, target, text)
