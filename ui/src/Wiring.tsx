@@ -89,7 +89,20 @@ function Late({ instance }: { instance: string }) {
   return overruns > 0n && <span className="late">{` ${t("{count} {count:overrun|overruns}", { count: overruns })}`}</span>;
 }
 
-function ComponentBox({ data, selected }: NodeProps<Box>) {
+/** Whether two objects have equal members, those of `data` and `position` as well: what is kept is not drawn anew. */
+function isSame(one: object, other: object): boolean {
+  const [a, b] = [one, other] as Record<string, unknown>[];
+  const names = Object.keys(b!);
+  return (
+    names.length === Object.keys(a!).length &&
+    names.every((name) => a![name] === b![name] || ((name === "data" || name === "position") && isSame(a![name] as object, b![name] as object)))
+  );
+}
+
+/** A box that was moved or measured is drawn as before. */
+const isDrawnAlike = (one: NodeProps<Box>, other: NodeProps<Box>): boolean => one.selected === other.selected && isSame(one.data, other.data);
+
+const ComponentBox = memo(function ComponentBox({ data, selected }: NodeProps<Box>) {
   const { component, fits, joined } = data;
   const of = (kind: Port["kind"]) =>
     component.ports
@@ -116,7 +129,7 @@ function ComponentBox({ data, selected }: NodeProps<Box>) {
       {of("PORT_SERVICE")}
     </div>
   );
-}
+}, isDrawnAlike);
 
 type GroupNode = Node<{ name: string }, "frame">;
 
@@ -231,15 +244,6 @@ function SmallMap({ corners, wanted }: { corners: readonly [Point, Point] | unde
 
 const edgeTypes = { wire: WireLine };
 const NONE: ReadonlySet<string> = new Set();
-/** Whether two objects have equal members, those of `data` and `position` as well: what is kept is not drawn anew. */
-function isSame(one: object, other: object): boolean {
-  const [a, b] = [one, other] as Record<string, unknown>[];
-  const names = Object.keys(b!);
-  return (
-    names.length === Object.keys(a!).length &&
-    names.every((name) => a![name] === b![name] || ((name === "data" || name === "position") && isSame(a![name] as object, b![name] as object)))
-  );
-}
 const UNPLACED: Wire[] = [];
 /** The name of a connection that the timeline will make, which no connection has. */
 const plannedName = (number: number): string => `\0${number}`;
@@ -364,7 +368,7 @@ export const Wiring = memo(function Wiring(props: {
     return found;
   }, [connections]);
 
-  useEffect(() => {
+  useLayoutEffect(() => {
     setNodes((before) => {
       const known = new Map(before.map((node) => [node.id, node]));
       const boxes = components.map((component): Box => {
@@ -469,7 +473,7 @@ export const Wiring = memo(function Wiring(props: {
   }, [room]);
 
   /** Routes of the wires that the layout has none for, around the boxes as they are. */
-  const [routes, setRoutes] = useState<ReadonlyMap<string, readonly Point[]>>(new Map());
+  const [routes, setRoutes] = useState<ReadonlyMap<string, readonly Point[]>>();
   useLayoutEffect(() => {
     if (!places) return undefined;
     const known = byInstance(components);
@@ -503,7 +507,8 @@ export const Wiring = memo(function Wiring(props: {
         found.set(wire.name, points);
       }
       if (waiting.length) setTimeout(go);
-      else setRoutes(found);
+      // At first, wires that have their routes are shown without those that have none yet.
+      setRoutes((before) => (waiting.length ? (before ?? new Map(found)) : found));
     };
     go();
     return () => {
@@ -524,7 +529,7 @@ export const Wiring = memo(function Wiring(props: {
       return {
         id: idOf(each.name),
         type: "wire",
-        data: { route: routes.get(each.name), type: typeAt(each.source) },
+        data: { route: routes?.get(each.name), type: typeAt(each.source) },
         source: idOf(each.source.instance),
         sourceHandle: idOf(each.source.port),
         target: idOf(each.target.instance),
@@ -544,7 +549,7 @@ export const Wiring = memo(function Wiring(props: {
         id: `planned ${i}`,
         type: "wire",
         className: "planned",
-        data: { route: routes.get(plannedName(planned.indexOf(each))), type: typeAt(each.source), planned: t("at {time} s", { time: each.time }) },
+        data: { route: routes?.get(plannedName(planned.indexOf(each))), type: typeAt(each.source), planned: t("at {time} s", { time: each.time }) },
         source: idOf(each.source.instance),
         sourceHandle: idOf(each.source.port),
         target: idOf(each.target.instance),
@@ -632,7 +637,7 @@ export const Wiring = memo(function Wiring(props: {
         <Inspecting.Provider value={inspect}>
         <ReactFlow
           nodes={nodes}
-          edges={arrangement ? edges : UNPLACED}
+          edges={routes ? edges : UNPLACED}
           nodeTypes={nodeTypes}
           edgeTypes={edgeTypes}
           onInit={setFlow}
