@@ -32,6 +32,8 @@ from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.failures import NOTE
 from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.opaque_rpc.interface import OpaqueRpc, OpaqueRpcFailed
+from rtgen.runtime.services.transports import RemotePort
+from rtgen.runtime.system.records import Record, SampleRecord
 from rtgen.runtime.xcdr import deserialize, serialize
 from rtgen.tools.running.losses import Losses
 
@@ -148,6 +150,39 @@ def test_programs_without_rtgen_read_and_write_ports(
     until(lambda: writer.matched)
     writer.publish(encoder(type_)(sample(4)))
     arrived(node, [4])
+
+
+def test_what_is_only_made_for_readers_is_sent_to_them(
+    pair: tuple[Process, Process],
+) -> None:
+    here, there = pair
+    here.ready()
+    out, type_ = here.node("a").out, type(sample(0))
+    recorded: list[Record] = []
+    here.system.add_listener(recorded.append)
+    made: list[float] = []
+
+    def make() -> Any:
+        made.append(len(made) + 1.0)
+        return sample(made[-1])
+
+    def is_made() -> bool:
+        before = len(made)
+        out.offer(make)
+        return len(made) > before
+
+    assert not is_made()
+    seen: list[float] = []
+    port = RemotePort("a", "out")
+    page = there.transport.listen(port, type_, lambda value: seen.append(value.data))
+    until(lambda: is_made() and seen)
+    page.close()
+    until(lambda: not is_made())
+    assert not recorded
+    connect(here, there)
+    assert is_made()
+    arrived(there.node("b"), made[-1:])
+    assert [each.port for each in recorded if isinstance(each, SampleRecord)] == ["out"]
 
 
 def test_a_foreign_sample_is_refused(pair: tuple[Process, Process]) -> None:

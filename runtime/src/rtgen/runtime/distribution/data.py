@@ -32,7 +32,7 @@ from rtgen.runtime.errors import TransportError
 from rtgen.runtime.failures import log
 from rtgen.runtime.marshalling.compiler import compiled
 from rtgen.runtime.marshalling.layouts.formats import Format
-from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
+from rtgen.runtime.ports.data_ports import DataConnector, Demand, InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.services.transports import RemotePort
 from rtgen.runtime.timing.guards import Guard
@@ -65,7 +65,20 @@ class OutTopic:
         self._publisher: Publisher | None = None
         self._closed = False
         self.connections: tuple[SendingConnector, ...] = ()
-        port.add_outlet(self.send)
+        port.add_outlet(self.send, self._demand)
+
+    def _demand(self) -> Demand:
+        """Return who reads the topic now."""
+        if self.connections:
+            return Demand.CONNECTION
+        with self._lock:
+            publisher = self._publisher
+            try:
+                is_read = publisher is not None and publisher.matched
+            except MediumError as error:
+                log.warning("%s: %s", self._port, error)
+                return Demand.NOBODY
+        return Demand.PAGES if is_read else Demand.NOBODY
 
     def require(self, qos: Qos) -> None:
         """Offer at least this QoS."""

@@ -10,6 +10,7 @@ from __future__ import annotations
 import sys
 from collections import deque
 from collections.abc import Callable, Mapping
+from enum import Enum
 from typing import Any, ClassVar, Generic, TypeVar
 
 from rtgen.facts.connector_properties import (
@@ -227,6 +228,15 @@ class InPort(Generic[T]):
         connector.source._renew(connector)
 
 
+class Demand(Enum):
+    """Who reads the samples that an OutPort sends out of its process."""
+
+    NOBODY = 0
+    PAGES = 1
+    """Readers that are no part of the run."""
+    CONNECTION = 2
+
+
 class OutPort(Generic[T]):
     """The sending end of data connections.
 
@@ -256,8 +266,8 @@ class OutPort(Generic[T]):
         self.unsent = 0
         """Samples written while there was no connection."""
         self._connectors: tuple[DataConnector[T], ...] = ()
-        self._outlets: tuple[Callable[[T], PortStatus], ...] = ()
-        """Functions that send samples out of this process; they store none."""
+        self._outlets: Mapping[Callable[[T], PortStatus], Callable[[], Demand]] = {}
+        """Functions that send samples out of this process, and who reads them there."""
         self._record: Callable[[T], None] | None = None
         self._show: Callable[[T], None] | None = None
         """Shows samples to people; None if nobody watches."""
@@ -349,10 +359,19 @@ class OutPort(Generic[T]):
         Without a connection only pages get it, and neither recordings nor counts contain it, so a
         run is the same with and without a page.
         """
-        if self._connectors:
+        demands = {way: demand() for way, demand in self._outlets.items()}
+        if self._connectors or Demand.CONNECTION in demands.values():
             self.write(make())
-        elif self._show is not None:
-            self._show(make())
+            return
+        shows: list[Callable[[T], object]] = [
+            way for way, demand in demands.items() if demand is Demand.PAGES
+        ]
+        if self._show is not None:
+            shows.append(self._show)
+        if shows:
+            value = make()
+            for show in shows:
+                show(value)
 
     def _observe(
         self,
@@ -362,14 +381,23 @@ class OutPort(Generic[T]):
         self._record, self._show = record, show
         self._rewire()
 
-    def add_outlet(self, way: Callable[[T], PortStatus]) -> None:
-        """Call a function with every sample, which remains the writer's; it must not raise."""
-        self._outlets += (way,)
+    def add_outlet(
+        self,
+        way: Callable[[T], PortStatus],
+        demand: Callable[[], Demand] = lambda: Demand.CONNECTION,
+    ) -> None:
+        """Call a function with every sample, which remains the writer's; it must not raise.
+
+        `demand` says who reads its samples now.
+        """
+        self._outlets = {**self._outlets, way: demand}
         self._rewire()
 
     def remove_outlet(self, way: Callable[[T], PortStatus]) -> None:
         """Stop calling the function."""
-        self._outlets = tuple(outlet for outlet in self._outlets if outlet != way)
+        self._outlets = {
+            each: demand for each, demand in self._outlets.items() if each != way
+        }
         self._rewire()
 
     def _attach(self, connector: DataConnector[T]) -> None:

@@ -17,7 +17,7 @@ from typing import Any
 import msgspec
 
 from rtgen.runtime.ports.buffers import RingBuffer
-from rtgen.runtime.ports.data_ports import DataConnector, InPort, OutPort
+from rtgen.runtime.ports.data_ports import DataConnector, Demand, InPort, OutPort
 from rtgen.runtime.return_codes import PORT_OK, PortStatus
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.system.flow import in_order_of_flow
@@ -274,7 +274,7 @@ def _measure(hop: _Hop, chains: Sequence[_Chain], now: Callable[[], int]) -> Non
             end(next_origin())
             return PORT_OK
 
-        hop.out_port.add_outlet(leave)
+        hop.out_port.add_outlet(leave, lambda: Demand.NOBODY)
         return
     publisher = hop.connector.publisher
     if publisher is not None:
