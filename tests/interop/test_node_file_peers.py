@@ -43,7 +43,11 @@ HAND = Path(__file__).parent / "slave_peer" / "hand_slave"
 NODE = 5
 CHANNELS = count()
 PACKAGE = "scanned_node"
-RANGES = ("--range", "2000-21FF", "--range", "6000-65FF")
+RANGES = [
+    word
+    for indices in ("1F00-1FFF", "2000-21FF", "6000-65FF")
+    for word in ("--range", indices)
+]
 
 
 def scanned(channel: str, folder: Path) -> Device:

@@ -1,7 +1,14 @@
-"""Profiles written by RTCBuilder, and systems by RTSystemEditor, read and written."""
+"""Profiles written by RTCBuilder, and systems by RTSystemEditor, read and written.
+
+`RTGEN_OLD_RTCS` names a folder of repositories with RTCs, as they are: each profile, module and IDL
+file goes through `rtgen convert` and `rtgen generate --target openrtm`.
+"""
 
 from __future__ import annotations
 
+import os
+import re
+from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
@@ -16,6 +23,15 @@ from rtgen.compiler.frontends.profiles import profile_yaml, rts_profile
 GOLDEN = Path(__file__).parents[4] / "shared" / "golden" / "rtc_profiles"
 PROFILES = sorted(GOLDEN.glob("rtc/*.xml"))
 SYSTEMS = sorted(GOLDEN.glob("rts/*.xml"))
+
+REPOSITORIES = os.environ.get("RTGEN_OLD_RTCS", "")
+WHOLE = [
+    pytest.param(path, id=path.name)
+    for path in sorted(Path(REPOSITORIES).iterdir() if REPOSITORIES else ())
+    if path.is_dir()
+]
+LOCATED = re.compile(r"^.+?:\d+:\d+: error\[[A-Z]+\d{4}\]: ", re.MULTILINE)
+INCLUDED = re.compile(r"-I (\S+)")
 
 pytestmark = pytest.mark.skipif(
     not PROFILES, reason="no profiles: ../shared/golden/rtc_profiles is missing"
@@ -70,3 +86,57 @@ def test_a_system_is_the_same_in_yaml(path: Path) -> None:
                 other.rate,
             )
             assert one.configuration == other.configuration
+
+
+def rtcs(repository: Path) -> Iterator[Path]:
+    """Yield the profiles of RTCs, the modules that register one, and the IDL files of a folder."""
+    marks = {".xml": b":RtcProfile", ".py": b"registerFactory(", ".idl": b""}
+    for path in sorted(repository.rglob("*")):
+        mark = marks.get(path.suffix.lower())
+        if mark is not None and path.is_file() and mark in path.read_bytes():
+            yield path
+
+
+@pytest.mark.nightly
+@pytest.mark.parametrize(
+    "repository",
+    [
+        pytest.param(GOLDEN / "rtc", id="profiles alone"),
+        *(WHOLE or [pytest.param(None, id="RTGEN_OLD_RTCS")]),
+    ],
+)
+def test_old_repositories(
+    repository: Path | None,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """Python compiles that is generated; what is refused has a place, a code and a hint."""
+    if repository is None:
+        pytest.skip("RTGEN_OLD_RTCS names no folder of repositories with RTCs")
+
+    def succeeds(*words: str) -> tuple[bool, str]:
+        code = run(list(words))
+        out, err = capfd.readouterr()
+        assert code in (0, 2), err
+        if code:
+            assert LOCATED.search(err), err
+            assert "hint: " in err, err
+        return code == 0, out + err
+
+    for number, path in enumerate(rtcs(repository.resolve())):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        monkeypatch.chdir(folder)
+        sources, included = [str(path)], ["-I", str(path.parent)]
+        if path.suffix.lower() != ".idl":
+            is_converted, told = succeeds("convert", str(path), "-o", ".")
+            places = INCLUDED.findall(told.partition("to generate from it")[2])
+            included = [word for place in places for word in ("-I", place)]
+            if path.suffix.lower() == ".py":
+                sources = [str(p) for p in folder.glob("*.idl")]
+                assert sources or not is_converted
+        for source in sources:
+            if succeeds("generate", source, *included, "--target", "openrtm")[0]:
+                for module in folder.rglob("*.py"):
+                    compile(module.read_bytes(), module.name, "exec")
