@@ -79,6 +79,8 @@ def convert(
     searched = [folder.resolve(), folder.resolve() / "idl"]
     further = [each for each in result.folders if each.resolve() not in searched]
     if further:
-        places = " ".join(f"-I {each.as_posix()}" for each in further)
+        from shlex import join
+
+        places = " ".join(join(["-I", each.as_posix()]) for each in further)
         console.say(f"to generate from it, name the folder of its includes: {places}")
     return OK

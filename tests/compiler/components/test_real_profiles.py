@@ -8,6 +8,7 @@ from __future__ import annotations
 
 import os
 import re
+import shlex
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -31,7 +32,7 @@ WHOLE = [
     if path.is_dir()
 ]
 LOCATED = re.compile(r"^.+?:\d+:\d+: error\[[A-Z]+\d{4}\]: ", re.MULTILINE)
-INCLUDED = re.compile(r"-I (\S+)")
+INCLUDED = re.compile(r"the folder of its includes: (-I .+)")
 
 pytestmark = pytest.mark.skipif(
     not PROFILES, reason="no profiles: ../shared/golden/rtc_profiles is missing"
@@ -131,8 +132,8 @@ def test_old_repositories(
         sources, included = [str(path)], ["-I", str(path.parent)]
         if path.suffix.lower() != ".idl":
             is_converted, told = succeeds("convert", str(path), "-o", ".")
-            places = INCLUDED.findall(told.partition("to generate from it")[2])
-            included = [word for place in places for word in ("-I", place)]
+            *_, words = ("", *INCLUDED.findall(told))
+            included = shlex.split(words)
             if path.suffix.lower() == ".py":
                 sources = [str(p) for p in folder.glob("*.idl")]
                 assert sources or not is_converted

@@ -80,3 +80,8 @@ def test_the_folder_of_the_includes_is_named(capfd: pytest.CaptureFixture[str]) 
     assert run(["generate", "new/Crane.idl", "-o", "made", "-q"]) == 2
     assert "IDL0010" in capfd.readouterr().err
     assert run(["generate", "new/Crane.idl", "-I", "idl", "-o", "made", "-q"]) == 0
+    Path("old files").mkdir()
+    Path("idl").rename("old files/idl")
+    Path("RTC.xml").rename("old files/RTC.xml")
+    assert run(["convert", "old files/RTC.xml", "-o", "newer"]) == 0
+    assert capfd.readouterr().err.endswith(": -I 'old files/idl'\n")
