@@ -16,7 +16,7 @@ except ModuleNotFoundError as error:
 
 
 def main() -> None:
-    """Run the command line. `rtgen --version` and stored answers import nothing else."""
+    """Run the command line. `rtgen --version`, stored answers and pages import nothing else."""
     arguments = sys.argv[1:]
     if arguments == ["--version"]:
         print("rtgen", __version__)
@@ -30,6 +30,10 @@ def main() -> None:
 
             stream.reconfigure(errors=registered())
     code = repeat(arguments)
+    if code is None and arguments[:1] == ["explain"]:
+        from rtgen.tools.kit.pages import explained
+
+        code = explained(arguments)
     if code is None:
         from rtgen.cli import run
 

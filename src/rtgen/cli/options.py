@@ -7,7 +7,6 @@ import functools
 import os
 import sys
 from collections.abc import Callable
-from pathlib import Path
 from typing import Concatenate, ParamSpec
 
 import click
@@ -15,8 +14,7 @@ import click
 from rtgen.cli.help import LANGUAGE, MESSAGES, grouped
 from rtgen.compiler.backends.kit.quoting import UnquotableError
 from rtgen.compiler.diagnostics import Diagnostic, InputError, ToolError
-from rtgen.compiler.kit.own_files import RENAME_JOURNAL
-from rtgen.facts.files import exists
+from rtgen.compiler.kit.project_file import interrupted_rename
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, FAILED, ReportedError
 
@@ -87,12 +85,7 @@ def with_console(
 
 def _complete_renames(console: Console) -> None:
     """Complete a rename of the project here that was interrupted, and say so."""
-    try:
-        here = Path.cwd()
-    except FileNotFoundError:  # The folder has been removed.
-        return
-    around = (here, *here.parents)
-    place = next((p for p in around if exists(p / RENAME_JOURNAL)), None)
+    place = interrupted_rename()
     if place is None:
         return
     from rtgen.tools.renaming.interrupted import completed

@@ -7,7 +7,6 @@ from collections.abc import Callable
 from typing import Concatenate, ParamSpec
 
 import click
-from msgspec.structs import replace
 
 from rtgen.cli.help import MESSAGES, grouped
 from rtgen.tools.compiling.shown_stages import shown
@@ -35,7 +34,7 @@ def with_stages(
     def wrapped(
         console: Console, /, verbose: bool, *args: P.args, **kwargs: P.kwargs
     ) -> int:
-        console = replace(console, verbose=verbose)
+        console.verbose = verbose
         with shown(console):
             return function(console, *args, **kwargs)
 

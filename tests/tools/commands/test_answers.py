@@ -325,6 +325,12 @@ def test_a_stored_answer_imports_little(project: Path) -> None:
     assert not (modules - of_python) & slow
 
 
+def test_a_page_needs_no_library(project: Path) -> None:
+    modules = imported("-m", "rtgen", "explain", "IDL0200")
+    assert "rtgen.tools.kit.pages" in modules
+    assert not modules & {"click", "msgspec", "rich", "rtgen.cli"}
+
+
 @pytest.mark.parametrize("code", ["IDL0200", "idl020", ""])
 def test_a_page_is_stored(
     project: Path,

@@ -5,6 +5,7 @@ from __future__ import annotations
 import ast
 import importlib
 import re
+import sys
 import tomllib
 from pathlib import Path
 
@@ -15,6 +16,8 @@ from rtgen.cli import run
 from rtgen.compiler import diagnostics
 from rtgen.compiler.diagnostics import Rule, Severity
 from rtgen.compiler.diagnostics.explain import MODULES, rule_of, rules
+from rtgen.compiler.kit import own_files, plugins
+from rtgen.tools.kit import pages
 
 FOLDER = Path(diagnostics.__file__).parent
 
@@ -117,3 +120,43 @@ def test_the_page_of_lint_has_each_of_its_rules() -> None:
     page = (Path(__file__).parents[3] / "docs" / "lint.md").read_text("utf-8")
     codes = {code for code in rules() if code.startswith("LINT")}
     assert {code for code in codes if f"| `{code}` |" not in page} == set()
+
+
+def test_the_short_way_prints_what_the_command_prints(
+    monkeypatch: pytest.MonkeyPatch, capfdbinary: pytest.CaptureFixture[bytes]
+) -> None:
+    monkeypatch.setattr(pages, "answered", lambda _, command: command())
+    some = ("IDL0200", "RTC0600")
+    for locale, codes in {"C": (*rules(), "idl0200"), "ja_JP": some}.items():
+        monkeypatch.setenv("LC_ALL", locale)
+        for code in codes:
+            assert run(["explain", code]) == 0
+            by_command = capfdbinary.readouterr()
+            assert pages.explained(["explain", code]) == 0
+            assert capfdbinary.readouterr() == by_command
+
+
+def test_what_the_command_alone_knows_is_left_to_it(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))
+    monkeypatch.chdir(tmp_path)
+    own = ["explain", "IDL0200"]
+    for others in ([], ["PRJ01O1"], [""], ["-h"], ["--"], ["IDL0200", "IDL0200"]):
+        assert pages.explained(["explain", *others]) is None
+    with monkeypatch.context() as context:
+        context.setenv("_RTGEN_COMPLETE", "bash_source")
+        assert pages.explained(own) is None
+    with monkeypatch.context() as context:
+        context.setattr(sys.stdout, "isatty", lambda: True)
+        assert pages.explained(own) is None
+    with monkeypatch.context() as context:
+        context.setattr(plugins, "announced", lambda *_: (object(),))
+        assert pages.explained(own) is None
+    journal = Path(own_files.RENAME_JOURNAL)
+    journal.write_text("{}")
+    assert pages.explained(own) is None
+    journal.unlink()
+    assert capfd.readouterr() == ("", "")
+    assert pages.explained(own) == 0
+    assert capfd.readouterr().out.startswith("# IDL0200: ")

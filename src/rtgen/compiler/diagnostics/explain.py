@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from difflib import get_close_matches
 from functools import cache
 from importlib import import_module
 from types import MappingProxyType
@@ -95,6 +94,8 @@ def rules() -> MappingProxyType[str, Rule]:
 
 def similar(code: str) -> list[str]:
     """Return the codes most similar to an unknown `code`."""
+    from difflib import get_close_matches
+
     return get_close_matches(code.upper(), rules(), n=3)
 
 

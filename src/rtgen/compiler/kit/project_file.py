@@ -4,8 +4,9 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from rtgen.compiler.kit.own_files import RENAME_JOURNAL
 from rtgen.compiler.kit.translation import LANGUAGES
-from rtgen.facts.files import MAX_BYTES, is_file, read_file
+from rtgen.facts.files import MAX_BYTES, exists, is_file, read_file
 
 FILE_NAME = "rtgen.toml"
 
@@ -39,3 +40,13 @@ def language_of_project() -> str | None:
         return None
     language = table.get("language") if isinstance(table, dict) else None
     return language if language in LANGUAGES else None
+
+
+def interrupted_rename() -> Path | None:
+    """Return the nearest folder around the working folder with the journal of a rename, or None."""
+    try:
+        here = Path.cwd()
+    except FileNotFoundError:  # The folder has been removed.
+        return None
+    around = (here, *here.parents)
+    return next((p for p in around if exists(p / RENAME_JOURNAL)), None)

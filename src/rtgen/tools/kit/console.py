@@ -7,11 +7,8 @@ import sys
 from collections.abc import Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from contextvars import ContextVar
-from typing import TextIO
+from typing import TYPE_CHECKING, TextIO
 
-import msgspec
-
-from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.diagnostics.printable import printable
 from rtgen.compiler.kit.translation import (
     translated,
@@ -20,6 +17,9 @@ from rtgen.compiler.kit.translation import (
 )
 from rtgen.facts.substitutes import registered
 from rtgen.tools.kit.terminals import width_of
+
+if TYPE_CHECKING:
+    from rtgen.compiler.diagnostics import Diagnostic
 
 _OUTPUT: ContextVar[list[str | bytes] | None] = ContextVar("output", default=None)
 _DOCUMENTS = ("json", "sarif")
@@ -31,14 +31,23 @@ _MAX_DEVIATIONS = 3
 """Deviations of a description of a device that are printed one by one."""
 
 
-class Console(msgspec.Struct, frozen=True):
+class Console:
     """Standard error with the options for it: form of diagnostics, colour, quiet, verbose."""
 
-    form: str = "text"
-    colour: bool = False
-    quiet: bool = False
-    verbose: bool = False
-    _held: list[Sequence[Diagnostic]] = []
+    __slots__ = ("_held", "colour", "form", "quiet", "verbose")
+
+    def __init__(
+        self,
+        form: str = "text",
+        colour: bool = False,
+        quiet: bool = False,
+        verbose: bool = False,
+    ) -> None:
+        self.form = form
+        self.colour = colour
+        self.quiet = quiet
+        self.verbose = verbose
+        self._held: list[Sequence[Diagnostic]] = []
 
     def findings(
         self,

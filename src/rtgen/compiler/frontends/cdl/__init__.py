@@ -1,17 +1,13 @@
 """Front end for CDL, the component description language of TECS."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rtgen.compiler.kit.deferred import deferred
 
 if TYPE_CHECKING:
     from rtgen.compiler.frontends.cdl.pipeline import load, read_text
 
 __all__ = ["load", "read_text"]
 
-
-def __getattr__(name: str) -> Any:
-    """Import the front end when it is first used: its rules do not need it."""
-    if name in __all__:
-        from rtgen.compiler.frontends.cdl import pipeline
-
-        return getattr(pipeline, name)
-    raise AttributeError(name)
+# Its rules do not need it.
+__getattr__ = deferred("rtgen.compiler.frontends.cdl.pipeline", __all__)

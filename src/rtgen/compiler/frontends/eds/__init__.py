@@ -1,17 +1,13 @@
 """Front end for EDS and DCF files (CiA 306): lines, sections, objects, PDOs."""
 
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
+
+from rtgen.compiler.kit.deferred import deferred
 
 if TYPE_CHECKING:
     from rtgen.compiler.frontends.eds.pipeline import load
 
 __all__ = ["load"]
 
-
-def __getattr__(name: str) -> Any:
-    """Import the front end when it is first used: its rules do not need it."""
-    if name in __all__:
-        from rtgen.compiler.frontends.eds import pipeline
-
-        return getattr(pipeline, name)
-    raise AttributeError(name)
+# Its rules do not need it.
+__getattr__ = deferred("rtgen.compiler.frontends.eds.pipeline", __all__)
