@@ -1,7 +1,25 @@
 import { defineConfig } from "vite";
+import type { Plugin } from "vite";
+
+/** What the page imports first of all is fetched at once, not when the entry has begun. */
+const preload: Plugin = {
+  name: "preload",
+  transformIndexHtml: {
+    order: "post",
+    handler: (_, { bundle = {} }) => {
+      const chunks = Object.values(bundle).flatMap((each) => (each.type === "chunk" ? [each] : []));
+      const withImports = (names: readonly string[]): string[] => names.flatMap((name) => [name, ...withImports(chunks.find((each) => each.fileName === name)!.imports)]);
+      const entries = chunks.filter((each) => each.isEntry);
+      const begun = withImports(entries.map((each) => each.fileName));
+      const next = new Set(withImports(entries.flatMap((each) => each.dynamicImports)).filter((each) => !begun.includes(each)));
+      return [...next].map((each) => ({ tag: "link", attrs: { rel: "modulepreload", crossorigin: true, href: `./${each}` }, injectTo: "head" }));
+    },
+  },
+};
 
 export default defineConfig({
   base: "./",
+  plugins: [preload],
   build: {
     outDir: "node_modules/.page",
     emptyOutDir: true,

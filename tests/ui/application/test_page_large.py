@@ -125,7 +125,16 @@ def apart(one: Rectangle, other: Rectangle) -> bool:
     )
 
 
+FOUND_LATE = """async () => {
+    const begun = await (await fetch("/")).text();
+    return performance.getEntriesByType("resource").map(each => each.name.split("/").at(-1))
+        .filter(each => each.endsWith(".js") && !each.startsWith("elk") && !begun.includes(each));
+}"""
+"""The scripts of the first view that the page has asked for when others had come."""
+
+
 def test_a_hundred_boxes_are_legible_at_once(large: Any) -> None:
+    assert large.evaluate(FOUND_LATE) == []
     whole = large.get_by_role("img", name="Map of the wiring")
     assert not whole.count(), "the small map shows what is in view"
     large.get_by_role("button", name="Zoom In").click()
