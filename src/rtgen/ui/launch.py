@@ -218,7 +218,7 @@ class _Recording:
 
     def __init__(self, options: RecordingOptions, console: Console) -> None:
         self._console = console
-        self._file = options.file
+        self._options = options
         self._files = ExitStack()
         self._recorder: PeersRecorder | None = None
         self._writer = (
@@ -238,9 +238,11 @@ class _Recording:
         return self._recorder
 
     def tell(self) -> None:
-        """Report what the recording lacks."""
+        """Report which file was recorded, and what it lacks."""
         if self._recorder is not None:
-            tell_missing(self._console, self._file or "", self._recorder.missing)
+            file = self._options.file or ""
+            tell_missing(self._console, file, self._recorder.missing)
+            self._options.name_file(self._console)
 
 
 def _attached(

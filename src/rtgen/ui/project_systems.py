@@ -313,6 +313,7 @@ class CommandProject:
                 recorder.end(through=True)
             options.tell(self._console, recorder)
             files.close()
+            options.name_file(self._console)
 
         return end
 

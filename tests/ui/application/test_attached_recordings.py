@@ -80,6 +80,7 @@ def test_a_server_records_other_processes_until_it_is_interrupted(
             )
         finally:
             server.kill()
+    assert f"recorded in {file}\n" in said.read_text(encoding="utf-8")
     found = lines(file, capsys)
     assert len([each for each in found if each["event"] == "component"]) == 6
     samples = {each["port"] for each in found if each["event"] == "sample"}

@@ -122,6 +122,11 @@ class RecordingOptions:
         except RecordingError as error:
             raise ToolError(str(error), hint=error.hint) from error
 
+    def name_file(self, console: Console) -> None:
+        """Say which file was recorded, if there is one."""
+        if self.file is not None:
+            console.say(f"recorded in {self.file}")
+
     def tell(self, console: Console, recorder: Recorder | None) -> bool:
         """Report the samples that are missing in the recording; return whether there are some."""
         return recorder is not None and tell_missing(
