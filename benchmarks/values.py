@@ -121,7 +121,7 @@ def candidates(value: Any) -> Iterator[tuple[str, Task, Task]]:
         encode, decode = (found(k, described, format_) for k in ("to_cdr", "from_cdr"))
         octets = encode(value)
         assert decode(type_, octets) == value
-        yield name, _bound(encode, value), _bound(decode, type_, octets)
+        yield name, *_tasks(encode, decode, value, octets)
     peers = {"omniORBpy": _omniorb} if is_classic else {}
     for name, peer in (*peers.items(), ("msgspec msgpack", _msgspec)):
         try:
@@ -130,8 +130,12 @@ def candidates(value: Any) -> Iterator[tuple[str, Task, Task]]:
             continue  # it has no such type
 
 
-def _bound(function: Callable[..., Any], *arguments: Any) -> Task:
-    return lambda: function(*arguments)
+def _tasks(
+    encode: Callable[..., bytes], decode: Callable[..., Any], value: Any, octets: bytes
+) -> tuple[Task, Task]:
+    """Return tasks whose calls have their arguments written out, like those of the peers."""
+    type_ = type(value)
+    return lambda: encode(value), lambda: decode(type_, octets)
 
 
 def main() -> None:

@@ -417,23 +417,38 @@ ALWAYS uint64_t spread(const Py_UCS1 *octets) {
     return (word | word << 8) & 0x00FF00FF00FF00FFu;
 }
 
-/* A `wstring` of four or more characters up to U+00FF: its count, a byte order mark, its units. */
-static int put_narrow(Writer *w, const Node *node, const Py_UCS1 *data, Py_ssize_t length) {
-    const uint64_t ones = 0x0001000100010001u, highs = 0x8000800080008000u;
+/* Returns the highest bit of each unit that is zero, and of some after such a one. */
+ALWAYS uint64_t zeros(uint64_t word) {
+    return (word - 0x0001000100010001u) & ~word & 0x8000800080008000u;
+}
+
+/* Returns 0 unless NUL or a surrogate is among four units. */
+ALWAYS uint64_t refused_in(uint64_t word, int is_narrow) {
+    const uint64_t tops = 0xF800F800F800F800u, surrogates = 0xD800D800D800D800u;
+    return zeros(word) | (is_narrow ? 0 : zeros((word & tops) ^ surrogates));
+}
+
+ALWAYS uint64_t four_units(const void *data, Py_ssize_t place, int is_narrow) {
+    return is_narrow ? spread((const Py_UCS1 *)data + place) : load_word((const Py_UCS2 *)data + place);
+}
+
+/* A `wstring` of four or more characters up to U+FFFF: its count, a byte order mark, its units. */
+ALWAYS int put_fours(Writer *w, const Node *node, const void *data, Py_ssize_t length, int is_narrow) {
+    if (length > PY_SSIZE_T_MAX / 32) return -1;
     Py_ssize_t count = 2 + 2 * length;
     if ((node->bound >= 0 && count > node->bound) || count > UINT32_MAX || begin_text(w, 4 + count)) return -1;
     char *at = w->at + w->position + 6;
     store32(at - 6, (uint32_t)count, w->swap);
     store16(at - 2, 0xFEFF, 0);
     w->position += 4 + count;
-    uint64_t word = spread(data + length - 4), nul = word - ones;
+    uint64_t word = four_units(data, length - 4, is_narrow), refused = refused_in(word, is_narrow);
     memcpy(at + 2 * (length - 4), &word, 8);
     for (Py_ssize_t i = 0; i < length - 4; i += 4) {
-        word = spread(data + i);
-        nul |= word - ones;
+        word = four_units(data, i, is_narrow);
+        refused |= refused_in(word, is_narrow);
         memcpy(at + 2 * i, &word, 8);
     }
-    return nul & highs ? -1 : 0;
+    return refused ? -1 : 0;
 }
 
 static int put_units(Writer *w, const Node *node, PyObject *value) {
@@ -460,8 +475,11 @@ static int put_units(Writer *w, const Node *node, PyObject *value) {
 
 static int put_wide(Writer *w, const Node *node, PyObject *value) {
     if (!PyUnicode_CheckExact(value)) return -1;
-    if (PY_LITTLE_ENDIAN && node->kind == TEXT && node->form == WIDE_STRING && PyUnicode_KIND(value) == PyUnicode_1BYTE_KIND &&
-        PyUnicode_GET_LENGTH(value) >= 4) return put_narrow(w, node, PyUnicode_1BYTE_DATA(value), PyUnicode_GET_LENGTH(value));
+    Py_ssize_t length = PyUnicode_GET_LENGTH(value);
+    if (PY_LITTLE_ENDIAN && node->kind == TEXT && node->form == WIDE_STRING && length >= 4) {
+        if (PyUnicode_KIND(value) == PyUnicode_1BYTE_KIND) return put_fours(w, node, PyUnicode_1BYTE_DATA(value), length, 1);
+        if (PyUnicode_KIND(value) == PyUnicode_2BYTE_KIND) return put_fours(w, node, PyUnicode_2BYTE_DATA(value), length, 0);
+    }
     return put_units(w, node, value);
 }
 
@@ -478,11 +496,11 @@ static int put_repeated(Writer *w, const Node *node, PyObject *value) {
     if (!PyList_CheckExact(value) && !PyTuple_CheckExact(value)) return -1;
     Py_ssize_t count = PySequence_Fast_GET_SIZE(value);
     if (node->length >= 0 ? count != node->length : (node->bound >= 0 && count > node->bound) || put_count(w, count)) return -1;
-    int kind = node->child->kind == TEXT ? (node->child->form == STRING ? 2 : 1) : 0;
+    int kind = node->child->kind != TEXT ? 0 : node->child->form == STRING ? 2 : node->child->form == WIDE_STRING ? 3 : 1;
     for (Py_ssize_t i = 0; i < count; i++) {
         if (PySequence_Fast_GET_SIZE(value) != count) return -1;
         PyObject *item = Py_NewRef(PySequence_Fast_GET_ITEM(value, i));
-        int failed = kind == 2 ? put_string(w, node->child, item) : kind ? put_text(w, node->child, item) : put(w, node->child, item);
+        int failed = kind == 2 ? put_string(w, node->child, item) : kind == 3 ? put_wide(w, node->child, item) : kind ? put_text(w, node->child, item) : put(w, node->child, item);
         Py_DECREF(item);
         if (failed) return -1;
     }
@@ -543,14 +561,14 @@ static int put_union(Writer *w, const Node *node, PyObject *value) {
 }
 
 /* Reserves the length before a value; `put_length` stores it. */
-static int begin_length(Writer *w, Py_ssize_t *start) {
+ALWAYS int begin_length(Writer *w, Py_ssize_t *start) {
     if (begin(w, 4, 4)) return -1;
     w->position += 4;
     *start = w->position;
     return 0;
 }
 
-static int put_length(Writer *w, Py_ssize_t start) {
+ALWAYS int put_length(Writer *w, Py_ssize_t start) {
     if ((uint64_t)(w->position - start) > UINT32_MAX) return -1;
     store32(w->at + start - 4, (uint32_t)(w->position - start), w->swap);
     return 0;
@@ -609,8 +627,13 @@ static int put_optional(Writer *w, const Node *node, PyObject *value) {
     return value == Py_None ? 0 : put(w, node->child, value);
 }
 
-static int put_nested(Writer *w, const Node *node, PyObject *value) {
+static int put_delimited(Writer *w, const Node *node, PyObject *value) {
     Py_ssize_t start;
+    if (begin_length(w, &start)) return -1;
+    return (node->child->kind == STRUCT ? put_struct(w, node->child, value) : put(w, node->child, value)) || put_length(w, start) ? -1 : 0;
+}
+
+static int put_nested(Writer *w, const Node *node, PyObject *value) {
     switch (node->kind) {
     case TEXT: return put_text(w, node, value);
     case WORDS: return put_wide(w, node, value);
@@ -620,8 +643,6 @@ static int put_nested(Writer *w, const Node *node, PyObject *value) {
     case STRUCT: return put_struct(w, node, value);
     case UNION: return put_union(w, node, value);
     case LIST: return put_list(w, node, value);
-    case DELIMITED:
-        return begin_length(w, &start) || put(w, node->child, value) || put_length(w, start) ? -1 : 0;
     case OPTIONAL: return put_optional(w, node, value);
     case PARAMETER: {
         uint32_t flags = node->id | (node->must_understand ? LONG_MUST_UNDERSTAND : 0);
@@ -641,7 +662,7 @@ int put(Writer *w, const Node *node, PyObject *value) {
     if (node->kind <= HOOK) return put_atom(w, node, value);
     if (node->kind == TEXT) return put_text(w, node, value);
     if (++w->depth > MAX_DEPTH) return -1;
-    int failed = node->kind == STRUCT ? put_struct(w, node, value) : put_nested(w, node, value);
+    int failed = node->kind == STRUCT ? put_struct(w, node, value) : node->kind == DELIMITED ? put_delimited(w, node, value) : put_nested(w, node, value);
     w->depth--;
     return failed;
 }

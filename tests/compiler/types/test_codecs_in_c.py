@@ -247,6 +247,26 @@ def test_drawn_types(tmp_path: Path) -> None:
     assert covered
 
 
+def test_characters_at_each_place_of_a_wide_string(tmp_path: Path) -> None:
+    """NUL and lone surrogates have no octets; their neighbours do, however units are read."""
+    line = emitted.emit_text(tmp_path, "struct Line { wstring text; };")._idl.case.Line
+    encode = Both("to_cdr", line._descriptor_, CLASSIC)
+    decode = Both("from_cdr", line._descriptor_, CLASSIC)
+    for each in "\x00\x01\x80\xff\u0100\u8000\ud7ff\ud800\udfff\ue000\uffff\U00010000":
+        has_octets = each != "\x00" and not 0xD800 <= ord(each) < 0xE000
+        for length in range(1, 10):
+            for place in range(length):
+                for other in "a\u6f22":
+                    row = [other] * length
+                    row[place] = each
+                    value = line("".join(row))
+                    if has_octets:
+                        encode.taken(value)
+                        assert decode.taken(line, value.to_cdr()) == repr(value)
+                    else:
+                        assert encode.given(value).startswith("CdrError at Line.text")
+
+
 IDL = """
 module Kept {
     enum Hue { RED, GREEN };
