@@ -2,12 +2,15 @@
 
 /** The digits of a value that is shown; the picture of a curve, or a title, has the others. */
 const DIGITS = 5;
-/** From here on, a value is shown with an exponent. */
-const LARGE = 1e7;
+/** A longer text, beside its sign, has an exponent instead: columns of tables have no more room. */
+const LONGEST = 8;
 
 /** A value in few digits; empty for none. */
-export const brief = (value: number): string =>
-  Number.isNaN(value) ? "" : Math.abs(value) >= LARGE ? value.toExponential(3) : String(Number(value.toPrecision(DIGITS)));
+export function brief(value: number): string {
+  if (Number.isNaN(value)) return "";
+  const short = Number(value.toPrecision(DIGITS));
+  return String(Math.abs(short)).length > LONGEST ? Number(value.toPrecision(DIGITS - 1)).toExponential() : String(short);
+}
 
 const FRACTION = /(?<![\w.])-?\d+\.\d+(?:e[+-]?\d+)?(?![\w.])/g;
 

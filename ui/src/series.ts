@@ -2,11 +2,14 @@
 
 import { MAX_SAMPLES } from "./protocol/Ui.ts";
 
-/** Whether a series is full; then it keeps its newest half and every second older value. */
+/** Whether a series is full; then it keeps its newest half, and of the older one values at even distances in time. */
 export const isFull = (series: readonly unknown[]): boolean => series.length >= MAX_SAMPLES;
 
-export function thin<T>(series: T[]): void {
-  const half = series.length >> 1;
-  const old = series.slice(0, half).filter((_, i) => i % 2 === 0);
-  series.splice(0, half, ...old);
+/** Thins out a series by its times; `rows` are its values. */
+export function thin(times: number[], rows: readonly unknown[][]): void {
+  const half = times.length >> 1;
+  const [first, last] = [times[0]!, times[half]!];
+  const part = (i: number) => Math.floor(((half >> 1) * (times[i]! - first)) / (last - first || 1));
+  const older = [...Array(half).keys()].filter((i) => !i || part(i) !== part(i - 1));
+  for (const row of [...rows, times]) row.splice(0, half, ...older.map((i) => row[i]));
 }

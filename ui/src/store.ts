@@ -316,6 +316,11 @@ export class Store {
     }));
   }
 
+  /** Whether the ERROR of a component is the end of its work, in the compared run as in this one. */
+  private finishes(instance: string): boolean {
+    return this.page.system?.components.find((each) => each.instance === instance)?.finishes ?? false;
+  }
+
   private line(time: number, instance: string, text: string, kind: Line["kind"]): void {
     this.page = {
       ...this.page,
@@ -390,15 +395,15 @@ export class Store {
         const { time, instance, after, reason } = event.value;
         this.component(instance, () => ({ current: after, reason }));
         if (reason) this.forgetReport(instance, reason);
-        const finishes = this.page.system?.components.find((each) => each.instance === instance)?.finishes ?? false;
-        const name = stateOf({ current: after, finishes });
+        const name = stateOf({ current: after, finishes: this.finishes(instance) });
         this.line(time, instance, name + (reason ? `: ${reason}` : ""), name === "ERROR" ? "error" : "state");
         break;
       }
       case "other": {
         const { time, instance, after, reason } = event.value;
-        this.page = { ...this.page, beside: new Map(this.page.beside).set(instance, stateName(after)) };
-        this.line(time, instance, `${t("beside: {state}", { state: stateName(after) })}${reason ? `: ${reason}` : ""}`, "beside");
+        const state = stateOf({ current: after, finishes: this.finishes(instance) });
+        this.page = { ...this.page, beside: new Map(this.page.beside).set(instance, state) };
+        this.line(time, instance, `${t("beside: {state}", { state })}${reason ? `: ${reason}` : ""}`, "beside");
         break;
       }
       case "statistics":
@@ -503,13 +508,12 @@ export class Store {
       return;
     }
     track.refused = "";
-    if (isFull(track.fresh)) thin(track.fresh);
-    track.fresh.push(track.value);
-    track.count += 1;
     if (isFull(track.times)) {
       track.thinned = true;
-      for (const row of [track.times, ...track.numbers.values()]) thin(row);
+      thin(track.times, [track.fresh, ...track.numbers.values()]);
     }
+    track.fresh.push(track.value);
+    track.count += 1;
     const before = track.times.push(time) - 1;
     const found = new Map(leaves(track.value).flatMap(([path, leaf]): [string, number][] => (typeof leaf === "number" || typeof leaf === "boolean" ? [[path, Number(leaf)]] : [])));
     for (const name of found.keys())

@@ -73,7 +73,7 @@ export class Traffic {
         signal = { bus: frame.bus, name, unit: field.unit, text: field.text, times: [], numbers: [] };
         this.signals.set(key, signal);
       }
-      if (isFull(signal.times)) for (const row of [signal.times, signal.numbers]) thin(row);
+      if (isFull(signal.times)) thin(signal.times, [signal.numbers]);
       signal.text = field.text;
       signal.times.push(frame.time);
       signal.numbers.push(field.number);

@@ -132,6 +132,15 @@ class Outbox:
                 self._samples = [*newest.values()]
         self.wake()
 
+    def show_samples(self, samples: list[Event], channels: frozenset[int]) -> None:
+        """Show samples of channels instead of those that wait."""
+        with self._lock:
+            if self.past is not None:
+                return
+            self._samples = [s for s in self._samples if s.channel not in channels]
+            self._changes.extend(samples)
+        self.wake()
+
     def statistics(self, latest: list[Statistics]) -> None:
         """Set the newest statistics of components."""
         with self._lock:

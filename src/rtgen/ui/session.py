@@ -35,7 +35,7 @@ from rtgen.ui.errors import FILE, UNKNOWN, CommandError
 from rtgen.ui.flows import Chains, Flows
 from rtgen.ui.history import History
 from rtgen.ui.other_processes import OtherProcesses
-from rtgen.ui.outbox import Outbox
+from rtgen.ui.outbox import MAX_SAMPLES, Outbox
 from rtgen.ui.pages import Pages
 from rtgen.ui.project import Known, Project, RunWatcher
 from rtgen.ui.protocol import ui
@@ -480,16 +480,10 @@ class Session:
 
     def _report(self) -> None:
         """Publish the time, events of the compared run, and changed statistics."""
-        if self.beside is not None:
-            events, samples = self.beside.until(self.now)
-            for event in events:
-                self.history.add(event.other.time, event)
-            self.pages.put(self.types.nodes, events)
-            for sample in samples:
-                self.sample(sample)
+        has_more_beside = self.beside is not None and self._report_beside(self.beside)
         if not self.pages:
             return
-        if self.runner.playing:
+        if self.runner.playing or has_more_beside:
             self.publish(ui.Event.of_clock(self.time()))
         changed = []
         for each in (
@@ -514,6 +508,24 @@ class Session:
                 page.statistics(changed)
             if page.missed_changes:
                 page.put(ui.Event.of_whole(self.whole()))
+
+    def _report_beside(self, run: ComparedRun) -> bool:
+        """Publish what has happened in the compared run; return whether there are samples."""
+        events, samples = run.until(self.now)
+        for event in events:
+            self.history.add(event.other.time, event)
+        self.pages.put(self.types.nodes, events)
+        if len(samples) <= MAX_SAMPLES:
+            for sample in samples:
+                self.sample(sample)
+            return bool(samples)
+        # After a leap in time, a page gets samples of the whole run, not only the newest.
+        for sample in samples:
+            self.history.sample(sample)
+        for page in self.pages:
+            channels = page.watched.intersection(e.id for e in self.channels_beside)
+            page.show_samples(self.history.samples(self.now, channels), channels)
+        return True
 
     def _is_time_for_flows(self) -> bool:
         now = monotonic()

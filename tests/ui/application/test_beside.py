@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import itertools
 from collections.abc import Iterable
 from pathlib import Path
 
@@ -110,6 +111,25 @@ def test_a_run_is_kept_beside_the_next_one() -> None:
     assert not whole(page.seen).keeps
     page.done("time", 0.0)
     assert whole(page.seen).beside == ""
+    bench.close()
+
+
+def test_a_page_has_the_whole_run_beside_after_a_leap_in_time() -> None:
+    bench = Bench()
+    page = bench.page()
+    page.events()
+    page.done("step", 6.0)
+    page.done("kept", True)
+    page.done("time", 0.0)
+    own, other = numbers(whole(page.seen))
+    page.done("channels", [own, other])
+    page.done("step", 6.0)
+    times = [each.time for each in samples(passed(bench, page), other)]
+    assert len(times) == ui.MAX_SAMPLES
+    assert times == sorted(times)
+    assert times[0] < 0.01
+    assert times[-1] > 5.99
+    assert max(b - a for a, b in itertools.pairwise(times)) < 0.02
     bench.close()
 
 
