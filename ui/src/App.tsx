@@ -9,7 +9,7 @@ import { state, stated } from "./address.ts";
 import { Bar } from "./Bar.tsx";
 import { Board } from "./Board.tsx";
 import { BusView } from "./Bus.tsx";
-import { Compare } from "./Compare.tsx";
+import { Compare, useNext } from "./Compare.tsx";
 import { Commands } from "./Commands.tsx";
 import { Console } from "./Console.tsx";
 import { Drive } from "./Drive.tsx";
@@ -97,6 +97,7 @@ export function App() {
   const past = system?.time.past ?? false;
   const full = page.full && !past;
   const component = system?.components.find((each) => each.instance === selected);
+  const next = useNext(system, selected, full, plot);
   const subject = system && wanted && exists(system, wanted) ? wanted : undefined;
   const bindings = useMemo(
     () => ({
@@ -273,7 +274,7 @@ export function App() {
             )}
           </p>
         )}
-        {system && <Compare system={system} selected={selected} full={full} open={plot} />}
+        {next && <Compare {...next} />}
         {system && <TimeBar system={system} full={full} lines={page.lines} live={page.link === "live"} playing={page.playing} brief={isPhone && shown !== "Timeline"} />}
         {system && !isWide && (
           <Bar shown={shown} show={open} emptiness={emptinessOf}>
@@ -287,6 +288,7 @@ export function App() {
           system={system}
           full={full}
           component={component}
+          next={next}
           close={() => ask(undefined)}
           select={select}
           open={open}

@@ -1,7 +1,9 @@
 /** The command palette: each command, component, view and system by its name. */
 
 import { Command } from "cmdk";
+import type { Next } from "./Compare.tsx";
 import type { Command as Order, Component, SystemState } from "./protocol/Ui.ts";
+import { useFocusBack } from "./kit/focus.ts";
 import { STEP, obstacleToAll, stateOf, store } from "./store.ts";
 import { languages, t } from "./texts.ts";
 import type { View } from "./views.ts";
@@ -19,6 +21,8 @@ interface Props {
   system: SystemState;
   full: boolean;
   component: Component | undefined;
+  /** What to do next with two runs. */
+  next: Next | undefined;
   close: () => void;
   select: (instance: string) => void;
   open: (view: View) => void;
@@ -30,7 +34,8 @@ interface Props {
   rename: (instance: string) => void;
 }
 
-export function Commands({ system, full, component, close, select, open, arrange, emptiness, help, rename }: Props) {
+export function Commands({ system, full, component, next, close, select, open, arrange, emptiness, help, rename }: Props) {
+  useFocusBack();
   const { time, edits } = system;
   const simulated = time.kind === "CLOCK_SIMULATED";
   const obstacle = obstacleToAll(system);
@@ -69,6 +74,8 @@ export function Commands({ system, full, component, close, select, open, arrange
             {simulated && order(time.playing ? t("Pause") : t("Play"), time.playing ? { case: "paused", value: true } : { case: "played", value: true }, "Space")}
             {simulated && !time.playing && order(t("Step"), { case: "step", value: 0 }, ".")}
             {simulated && order(t("Go to the beginning"), { case: "time", value: 0 })}
+            {simulated && !system.keeps && !system.beside && order(t("Keep to compare"), { case: "kept", value: true })}
+            {next?.act && item(next.name, next.act)}
             {orderAll(t("Activate all"), { case: "activated", value: [] })}
             {orderAll(t("Deactivate all"), { case: "deactivated", value: [] })}
             {orderAll(t("Reset all"), { case: "restored", value: [] })}

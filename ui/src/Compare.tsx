@@ -1,5 +1,7 @@
-/** What to do next with two runs: above the time line, from the moment when a run is kept until its difference is shown. */
+/** What to do next with two runs, from the moment when a run is kept until its difference is shown. */
 
+import type { ReactNode } from "react";
+import { useState } from "react";
 import { Button } from "./kit/Button.tsx";
 import { addMember, plotsNow } from "./members.ts";
 import { portOf } from "./MemberPlot.tsx";
@@ -11,12 +13,25 @@ import { t } from "./texts.ts";
 /** Plots of this number of ports are made at first. */
 const PORTS = 3;
 
-export function Compare({ system, selected, full, open }: { system: SystemState; selected: string; full: boolean; open: () => void }) {
+export interface Next {
+  said: ReactNode;
+  /** Empty without a button. */
+  name: string;
+  /** Undefined where it cannot be done now. */
+  act?: () => void;
+}
+
+export function useNext(system: SystemState | undefined, selected: string, full: boolean, open: () => void): Next | undefined {
+  const [goal, run] = useState<string>();
+  if (!system) return undefined;
   const { beside, keeps, time, channels } = system;
-  if (time.kind === "CLOCK_RECORDING" || (!keeps && !beside) || (beside && store.page.differs)) return null;
+  if (time.kind === "CLOCK_RECORDING" || (!keeps && !beside) || (beside && store.page.differs)) return undefined;
   const again = async () => {
-    const result = await store.order({ case: "time", value: 0 });
-    if (result.done) await store.order({ case: "time", value: time.now });
+    run(time.now.toFixed(1));
+    // Two runs of the same length are compared.
+    if (time.playing) await store.order({ case: "paused", value: true });
+    await store.order({ case: "time", value: time.now });
+    run(undefined);
   };
   const plot = () => {
     const ports = channels.filter((each) => !each.beside && each.port.instance === selected).map(portOf);
@@ -24,24 +39,24 @@ export function Compare({ system, selected, full, open }: { system: SystemState;
     store.differ(true);
     open();
   };
+  if (goal !== undefined) return { said: t("The run begins again, and goes on to {time} s.", { time: goal }), name: t("Running …") };
+  if (beside) return { said: rich("Plots show this run and, dashed, {beside}.", { beside: <bdi>{beside}</bdi> }), name: t("Plot the difference"), act: plot };
+  return {
+    said: t("This run is kept. Change something, such as a parameter in Configuration, and run it again."),
+    name: time.kind === "CLOCK_SIMULATED" ? t("Run again to {time} s", { time: time.now.toFixed(1) }) : "",
+    act: full && time.now > 0 ? () => void again() : undefined,
+  };
+}
+
+/** The next step above the time line. */
+export function Compare({ said, name, act }: Next) {
   return (
     <p className="notice beside" role="status" aria-label={t("Two runs")}>
-      {beside ? (
-        <>
-          <span>{rich("Plots show this run and, dashed, {beside}.", { beside: <bdi>{beside}</bdi> })}</span>
-          <Button look="primary" onClick={plot}>
-            {t("Plot the difference")}
-          </Button>
-        </>
-      ) : (
-        <>
-          <span>{t("This run is kept. Change something, such as a parameter in Configuration, and run it again.")}</span>
-          {time.kind === "CLOCK_SIMULATED" && (
-            <Button look="primary" disabled={!full || time.now <= 0} onClick={() => void again()}>
-              {t("Run again to {time} s", { time: time.now.toFixed(1) })}
-            </Button>
-          )}
-        </>
+      <span>{said}</span>
+      {name && (
+        <Button look="primary" aria-disabled={!act} onClick={act}>
+          {name}
+        </Button>
       )}
     </p>
   );

@@ -113,7 +113,10 @@ export function Panel(props: {
       )}
       {component && <BoardOf instance={component.instance} open={open} />}
       {!component ? (
-        <Overview system={system} select={select} inspect={inspect} />
+        <>
+          {view !== "Values" && <p>{t("{view}: choose a component, above or by its box.", { view: titleOf(view) })}</p>}
+          <Overview system={system} select={select} inspect={inspect} />
+        </>
       ) : view === "Values" ? (
         <Values key={component.instance} {...{ system, component, select }} />
       ) : view === "Connections" ? (

@@ -69,7 +69,7 @@ export function Span({ compared = false }: { compared?: boolean }) {
     {compared && (
       <label>
         <input type="checkbox" checked={differs} onChange={(e) => store.differ(e.target.checked)} />
-        {t("Difference of the two runs")}
+        {t("Difference: this run less the other")}
       </label>
     )}
     </>

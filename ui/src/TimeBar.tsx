@@ -178,11 +178,13 @@ function Compare({ beside }: { beside: string }) {
   );
 }
 
-function marksOf(lines: readonly Line[], plan: readonly PlannedEvent[], now: number): Mark[] {
-  return [
+/** Marks of what has happened within the kept time, `first` to `now`, and of what is planned. */
+function marksOf(lines: readonly Line[], plan: readonly PlannedEvent[], first: number, now: number): Mark[] {
+  const marks = [
     ...lines.map(({ time, kind, instance, text }) => ({ time, kind, text: `${instance} ${text}` })),
     ...plan.map(({ time, kind, text }) => ({ time, kind: time > now ? ("plan" as const) : ("event" as const), text: `${kind} ${text}` })),
   ];
+  return marks.filter((each) => each.time >= first);
 }
 
 /** `brief`: what a phone has room for below another view. */
@@ -221,7 +223,7 @@ export function TimeBar({ system, full, lines, live, playing, brief }: { system:
         )}
       </div>
       <div className="line">
-        <Marks marks={marksOf(lines, plan, time.last)} first={time.first} end={end} />
+        <Marks marks={marksOf(lines, plan, time.first, time.last)} first={time.first} end={end} />
         <input
           type="range"
           className="past"
@@ -249,7 +251,7 @@ export function TimeBar({ system, full, lines, live, playing, brief }: { system:
               disabled={!full}
               onClick={() => store.order({ case: "kept", value: !kept })}
             >
-              {system.beside ? t("Beside: {beside}", { beside: system.beside }) : t("Keep beside")}
+              {system.beside ? t("Beside: {beside}", { beside: system.beside }) : t("Keep to compare")}
             </Button>
         )}
         {!recording && full && !brief && <Compare beside={system.beside} />}

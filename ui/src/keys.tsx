@@ -8,7 +8,7 @@ import { t } from "./texts.ts";
 
 const SHOWN: readonly (readonly [string, readonly (readonly [string, string])[]])[] = [
   [t("Page"), [["Ctrl K", t("find a command, a component, a view")], ["?", t("this list")], ["Ctrl Z", t("undo")], ["Ctrl Y", t("redo")], ["Tab", t("next control")]]],
-  [t("Time"), [["Space", t("play or pause")], [".", t("step to the next instant, or on in a recording")], [",", t("look back by one step")], ["L", t("back to the present")], ["← →", t("on the time line: look at another time")]]],
+  [t("Time"), [["Space", t("play or pause")], [".", t("step to the next instant, or on in a recording")], [",", t("look back by one step")], ["L", t("back to the present")], [t("Arrows"), t("on the time line: look at another time")]]],
   [t("Wiring"), [["Enter", t("select the box or the wire that has the focus")], ["F2", t("rename what is selected")], ["Shift F10", t("menu of the box or the wire")], ["Delete", t("remove the box, cut the wire")], [t("Arrows"), t("move the box, at the places of the file")]]],
 ];
 

@@ -121,4 +121,4 @@ def test_latencies_and_a_recording_beside_it(
         assert violations(page) == []
         compare.click()
         page.get_by_role("menuitem", name="Compare with nothing").click()
-        page.get_by_role("button", name="Keep beside").wait_for()
+        page.get_by_role("button", name="Keep to compare").wait_for()

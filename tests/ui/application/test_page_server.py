@@ -57,7 +57,7 @@ def test_one_that_may_only_look_changes_nothing(looking: Any, session: Session) 
     looking.get_by_role("button", name="Components").click()
     buttons = (
         *("Activate all", "Deactivate all", "Reset all", "Undo", "Redo", "Save"),
-        *("Pause", "Step", "Go", "Keep beside", "Add Odometry"),
+        *("Pause", "Step", "Go", "Keep to compare", "Add Odometry"),
     )
     for name in buttons:
         button = looking.get_by_role("button", name=name, exact=True)

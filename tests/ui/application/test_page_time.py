@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+import csv
+import itertools
 import re
+from pathlib import Path
 from typing import Any
 
 import pytest
@@ -94,7 +97,7 @@ def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
     figure = page.get_by_role("status", name="Odometry0.OdometryPosition on the map")
     figure.get_by_text(re.compile(r"x -?\d")).wait_for()
     place = figure.inner_text()
-    page.get_by_role("button", name="Keep beside").press("Enter")
+    page.get_by_role("button", name="Keep to compare").press("Enter")
     until(page, lambda: session.keeps)
     page.get_by_role("status", name="Two runs").wait_for()
     assert figure.inner_text() == place
@@ -115,7 +118,9 @@ def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
 
 
 @pytest.mark.nightly
-def test_plots_say_what_is_left_out(page: Any, session: Session) -> None:
+def test_plots_say_what_is_left_out(
+    page: Any, session: Session, tmp_path: Path
+) -> None:
     select(page, "PathFollower0")
     page.get_by_role("tab", name="Values").click()
     page.get_by_label("Plots show").select_option("the last 5 s")
@@ -123,5 +128,13 @@ def test_plots_say_what_is_left_out(page: Any, session: Session) -> None:
     values.get_by_role("img", name="Values over time").wait_for()
     page.get_by_label("Speed").select_option("5")
     values.get_by_text("Older parts of the plot show only some").wait_for()
-    assert session.now > 2.0
+    until(page, lambda: session.now > 12)
     page.get_by_label("Speed").select_option("1")
+    page.get_by_label("Plots show").select_option("the run")
+    with page.expect_download() as found:
+        values.get_by_role("button", name="as CSV").click()
+    found.value.save_as(tmp_path / "velocity.csv")
+    with (tmp_path / "velocity.csv").open(newline="", encoding="utf-8") as file:
+        times = [float(row[0]) for row in [*csv.reader(file)][1:]]
+    assert times[0] < 1 < 12 <= times[-1]
+    assert max(b - a for a, b in itertools.pairwise(times)) < 1

@@ -5,9 +5,11 @@ import * as Window from "@radix-ui/react-dialog";
 import { X } from "lucide-react";
 import type { FormEvent, ReactNode } from "react";
 import { Button } from "./Button.tsx";
+import { useFocusBack } from "./focus.ts";
 import { t } from "../texts.ts";
 
 export function Dialog({ title, close, children, className = "" }: { title: string; close: () => void; children: ReactNode; className?: string }) {
+  useFocusBack();
   return (
     <Window.Root open onOpenChange={(open) => open || close()}>
       <Window.Portal>
@@ -35,6 +37,7 @@ interface Props {
 }
 
 export function Question({ text, name, yes, close, children }: Props) {
+  useFocusBack();
   const answer = (event: FormEvent) => {
     event.preventDefault();
     yes();
