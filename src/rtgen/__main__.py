@@ -2,6 +2,7 @@
 
 import gc
 import io
+import os
 import sys
 
 try:
@@ -17,6 +18,7 @@ except ModuleNotFoundError as error:
 
 def main() -> None:
     """Run the command line. `rtgen --version`, stored answers and pages import nothing else."""
+    _open_streams()
     arguments = sys.argv[1:]
     if arguments == ["--version"]:
         print("rtgen", __version__)
@@ -41,6 +43,14 @@ def main() -> None:
     # A collection at interpreter exit would only cost time: the process frees its memory anyway.
     gc.freeze()
     sys.exit(code)
+
+
+def _open_streams() -> None:
+    """Open the null device for streams that the caller has closed: files would take their place."""
+    for name, mode in (("stdin", "r"), ("stdout", "w"), ("stderr", "w")):
+        if getattr(sys, name) is None:
+            null = os.open(os.devnull, os.O_RDWR)
+            setattr(sys, name, os.fdopen(null, mode, encoding="utf-8"))
 
 
 if __name__ == "__main__":

@@ -12,6 +12,10 @@ from pathlib import Path
 import pytest
 
 from rtgen.cli import COMMANDS, run
+from rtgen.compiler.diagnostics.explain import rules, story
+from rtgen.compiler.kit import translation
+from rtgen.compiler.kit.translation.blocks import paragraphs
+from rtgen.compiler.kit.translation.catalogue import catalogue
 from rtgen.facts import columns
 from rtgen.facts.substitutes import registered
 
@@ -106,6 +110,20 @@ def test_explain_and_help_are_japanese(capfd: pytest.CaptureFixture[str]) -> Non
     assert "定義からファイルを生成する。" in capfd.readouterr().out
     assert run(["explain", "--language", "ja"]) == 0
     assert "CDL0201  エラー   セミコロンがない" in capfd.readouterr().out
+
+
+def test_no_paragraph_of_a_page_is_translated_in_part(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """A page has no insertions; what the catalogue does not have stays English, and says so."""
+    monkeypatch.setattr(translation._Choice, "language", "ja")
+    texts = {*catalogue("ja")._plain.values()}
+    for rule in rules().values():
+        english = {*paragraphs(rule.explanation)}
+        _, *shown = paragraphs(story(rule))
+        assert not {*shown} - english - texts, rule.code
+        is_english = {*shown} & english == english
+        assert ("この説明はまだ英語だけです。" in shown) == is_english, rule.code
 
 
 @pytest.mark.parametrize(

@@ -13,6 +13,7 @@ from rtgen.compiler.kit.translation import (
     language,
     translated,
     translated_page,
+    translated_paragraph,
 )
 from rtgen.compiler.kit.translation.blocks import paragraphs
 
@@ -105,7 +106,7 @@ def story(rule: Rule) -> str:
     explanation = rule.explanation.strip()
     page = translated_page(explanation)
     if language() != ENGLISH and all(
-        t == translated(t) for t in paragraphs(explanation)
+        t == translated_paragraph(t) for t in paragraphs(explanation)
     ):
         page = f"{translated('This explanation is in English only.')}\n\n{page}"
     return f"# {rule.code}: {title}\n\n{page}\n"

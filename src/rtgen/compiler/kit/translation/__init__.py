@@ -85,6 +85,15 @@ def translated_lines(text: str) -> str:
     return "\n".join(lines)
 
 
+def translated_paragraph(text: str) -> str:
+    """Return a paragraph of a page, which has no insertions, in the language."""
+    if language() == ENGLISH:
+        return text
+    from rtgen.compiler.kit.translation.catalogue import catalogue
+
+    return catalogue(language()).paragraph(text)
+
+
 def translated_page(page: str) -> str:
     """Return a page of Markdown with each paragraph in the language; code stays."""
     if language() == ENGLISH:
@@ -92,7 +101,7 @@ def translated_page(page: str) -> str:
     from rtgen.compiler.kit.translation.blocks import blocks, joined
 
     parts = (
-        translated(joined(block)) if is_text else block
+        translated_paragraph(joined(block)) if is_text else block
         for block, is_text in blocks(page)
     )
     return "\n\n".join(parts)

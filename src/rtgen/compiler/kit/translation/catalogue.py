@@ -14,7 +14,7 @@ from functools import cache
 from itertools import pairwise
 from pathlib import Path
 from string import Formatter
-from typing import NamedTuple
+from typing import NamedTuple, TypeAlias
 
 FOLDER = Path(__file__).resolve().parents[3] / "locale"
 DOMAIN = "rtgen"
@@ -159,12 +159,22 @@ class Catalogue:
             for end in (0, -1)
         ]
 
+    def paragraph(self, text: str) -> str:
+        """Return a text without insertions in this language; unchanged if it is not there whole."""
+        return self._plain.get(text, text)
+
     def translated(self, text: str) -> str:
         """Return a text in this language; unchanged if it is made from no template."""
-        found = self._translated(text, _MAX_DEPTH)
+        found = self._translated(text, _MAX_DEPTH, {})
         return text if found is None else found.text
 
-    def _translated(self, text: str, depth: int) -> _Translation | None:
+    def _translated(self, text: str, depth: int, known: _Known) -> _Translation | None:
+        """Return the translation of a text; `known` are those of its parts, by their depth."""
+        if (text, depth) not in known:
+            known[text, depth] = self._made(text, depth, known)
+        return known[text, depth]
+
+    def _made(self, text: str, depth: int, known: _Known) -> _Translation | None:
         plain = self._plain.get(text)
         if plain is not None:
             return _Translation(plain)
@@ -176,7 +186,11 @@ class Catalogue:
             if values is None:
                 continue
             inner = [
-                None if quoted and " " not in value else self._whole(value, depth - 1)
+                (
+                    None
+                    if quoted and " " not in value
+                    else self._whole(value, depth - 1, known)
+                )
                 for value, quoted in zip(values, template.quoted, strict=True)
             ]
             found = [
@@ -192,7 +206,7 @@ class Catalogue:
             if mixed is None and tells:
                 mixed = _Translation(shown, is_whole=False)
         if mixed is None and (said := _SAID_OF.fullmatch(text)):
-            what = self._translated(said["what"], depth - 1)
+            what = self._translated(said["what"], depth - 1, known)
             if what is not None and (what.is_whole or said["subject"][0] == _QUOTE):
                 return what._replace(text=f"{said['subject']} {what.text}")
         return mixed
@@ -212,9 +226,9 @@ class Catalogue:
             ]
         return self._by_ends[first, last]
 
-    def _whole(self, text: str, depth: int) -> _Translation | None:
+    def _whole(self, text: str, depth: int, known: _Known) -> _Translation | None:
         """Return the translation of an insertion; half of one would not be understood."""
-        found = self._translated(text, depth)
+        found = self._translated(text, depth, known)
         return found if found is not None and found.is_whole else None
 
 
@@ -223,6 +237,9 @@ class _Translation(NamedTuple):
 
     text: str
     is_whole: bool = True
+
+
+_Known: TypeAlias = dict[tuple[str, int], _Translation | None]
 
 
 def _is_prose(text: str) -> bool:
