@@ -17,15 +17,17 @@ export function Elsewhere({ reason, system, has, select }: Props) {
     <>
       <p>{reason}</p>
       <p>{others.length ? t("Others have some:") : t("No other one has any.")}</p>
-      <ul className="ends" aria-label={t("Components with something here")}>
-        {others.map(({ instance }) => (
-          <li key={instance}>
-            <button type="button" className="link plain" onClick={() => select(instance)}>
-              {instance}
-            </button>
-          </li>
-        ))}
-      </ul>
+      {others.length > 0 && (
+        <ul className="ends" aria-label={t("Components with something here")}>
+          {others.map(({ instance }) => (
+            <li key={instance}>
+              <button type="button" className="link plain" onClick={() => select(instance)}>
+                {instance}
+              </button>
+            </li>
+          ))}
+        </ul>
+      )}
     </>
   );
 }

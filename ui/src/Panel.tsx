@@ -5,7 +5,7 @@ import { Configuration } from "./Configuration.tsx";
 import { Connections } from "./Connections.tsx";
 import type { Component, SystemState } from "./protocol/Ui.ts";
 import { Services } from "./Services.tsx";
-import { Pencil } from "lucide-react";
+import { Pencil, Trash2 } from "lucide-react";
 import { IconButton } from "./kit/Button.tsx";
 import { Inspector } from "./Inspector.tsx";
 import type { Subject } from "./Inspector.tsx";
@@ -108,6 +108,7 @@ export function Panel(props: {
                 {name}
               </button>
             ))}
+            <IconButton icon={Trash2} label={t("Remove {name}", { name: component.instance })} disabled={!full} onClick={() => store.order({ case: "removed", value: component.instance })} />
           </div>
         </>
       )}

@@ -1,7 +1,7 @@
 /** Plots of numbers over time: pictures, and a table of their curves. */
 
 import { Download, Image, Maximize2, X, ZoomIn, ZoomOut } from "lucide-react";
-import type { CSSProperties, DragEvent, ReactNode } from "react";
+import type { CSSProperties, DragEvent, MouseEvent, PointerEvent, ReactNode } from "react";
 import { useEffect, useMemo, useRef, useState, useSyncExternalStore } from "react";
 import uPlot from "uplot";
 import { colour } from "./colours.ts";
@@ -43,6 +43,11 @@ class Cursor {
 }
 
 const cursor = new Cursor();
+
+// A finger leaves its cursor behind, until it touches something else.
+document.addEventListener("pointerdown", ({ target, pointerType }) => {
+  if (pointerType === "touch" && !(target as Element).closest(".plots")) cursor.point(undefined);
+});
 
 /** Which curves are shown, by plot and curve; kept while views change. */
 const choices = new Map<string, Map<string, boolean>>();
@@ -171,11 +176,18 @@ function Picture({ source, read, label, zero, keep }: { source: string; read: ()
   const place = useRef<HTMLDivElement>(null);
   const reading = useRef(read);
   reading.current = read;
+  const picture = useRef<uPlot>(undefined);
+  /** The fingers on the picture, and the times that they have taken hold of. */
+  const fingers = useRef(new Map<number, { x: number; time: number }>());
   useEffect(() => {
     let plot: uPlot | undefined;
     let made = "";
     let drawn = "";
     let frame = 0;
+    const show = (made: uPlot | undefined) => {
+      picture.current = made;
+      keep(made);
+    };
     const end = () => {
       if (plot && cursor.owner === plot) cursor.point(undefined);
       plot?.destroy();
@@ -191,7 +203,7 @@ function Picture({ source, read, label, zero, keep }: { source: string; read: ()
         end();
         made = now;
         plot = new uPlot(options(curves, getComputedStyle(place.current).color, size, zero), joined(curves), place.current);
-        keep(plot);
+        show(plot);
       } else if (stamp !== drawn) {
         plot.setData(joined(curves));
       }
@@ -207,7 +219,7 @@ function Picture({ source, read, label, zero, keep }: { source: string; read: ()
     return () => {
       cancelAnimationFrame(frame);
       end();
-      keep(undefined);
+      show(undefined);
     };
   }, [source]);
   /** Moves the cursor by samples, zooms around it, and moves what is shown. */
@@ -229,6 +241,30 @@ function Picture({ source, read, label, zero, keep }: { source: string; read: ()
     else return false;
     return true;
   };
+  const placeOf = ({ clientX }: { clientX: number }): number => clientX - picture.current!.over.getBoundingClientRect().left;
+  const touch = (e: PointerEvent) => {
+    if (e.pointerType !== "touch" || !picture.current) return;
+    const x = placeOf(e);
+    fingers.current.set(e.pointerId, { x, time: picture.current.posToVal(x, "x") });
+  };
+  /** One finger moves the cursor; two move and stretch what is shown, so that each keeps its time. */
+  const drag = (e: PointerEvent) => {
+    const [finger, plot] = [fingers.current.get(e.pointerId), picture.current];
+    if (!finger || !plot) return;
+    const x = placeOf(e);
+    const other = [...fingers.current].find(([id]) => id !== e.pointerId)?.[1];
+    finger.x = x;
+    if (!other) return cursor.point(plot.posToVal(x, "x"));
+    cursor.point(undefined);
+    const pace = (finger.time - other.time) / (x - other.x);
+    const from = other.time - other.x * pace;
+    const width = plot.over.clientWidth * pace;
+    if (Number.isFinite(from) && width > SHORTEST) store.zoom([from, from + width]);
+  };
+  /** The mouse events of a tap end with one that takes the cursor away, unless it is not theirs. */
+  const tap = (e: MouseEvent) => {
+    if ((e.nativeEvent as globalThis.PointerEvent).pointerType === "touch" && picture.current) cursor.point(picture.current.posToVal(placeOf(e), "x"));
+  };
   return (
     <div
       className="plot"
@@ -236,7 +272,12 @@ function Picture({ source, read, label, zero, keep }: { source: string; read: ()
       role="img"
       tabIndex={0}
       aria-label={label}
-      title={t("Drag to zoom, double click for all. Keys: arrows move the cursor, Shift moves the picture, + − 0 zoom")}
+      title={t("Drag to zoom, double click for all; by touch: one finger moves the cursor, two zoom. Keys: arrows move the cursor, Shift moves the picture, + − 0 zoom")}
+      onPointerDown={touch}
+      onPointerMove={drag}
+      onPointerUp={(e) => fingers.current.delete(e.pointerId)}
+      onPointerCancel={(e) => fingers.current.delete(e.pointerId) && cursor.point(undefined)}
+      onClick={tap}
       onKeyDown={(e) => {
         if (e.ctrlKey || e.metaKey || e.altKey || !press(e.key, e.shiftKey)) return;
         e.preventDefault();

@@ -1,7 +1,7 @@
 /** The time line: play, pause, step, speed, setting time, and looking back, with marks of what happened and what is planned. */
 
 import { GitCompareArrows, Pause, Play, Rewind, StepForward } from "lucide-react";
-import { memo, useEffect, useState } from "react";
+import { memo, useEffect, useRef, useState } from "react";
 import { Button, IconButton } from "./kit/Button.tsx";
 import { Refusable } from "./kit/Refusable.tsx";
 import { Menu } from "./Menu.tsx";
@@ -19,8 +19,9 @@ const FRAME = 0.1;
 const SPEEDS = [0.1, 0.5, 1, 2, 5, 10, 0];
 /** What one button looks back [s]. */
 const BACK = 10;
-/** Marks nearer than this to the mouse are told [px]. */
+/** Marks nearer than this to the mouse are told, and a finger means those nearer than that [px]. */
 const NEAR = 6;
+const TOUCHED = 16;
 
 /** Chooses a speed of the time; 0: as fast as possible. */
 function Speed({ speeds, speed, disabled, choose }: { speeds: readonly number[]; speed: number; disabled: boolean; choose: (speed: number) => void }) {
@@ -75,14 +76,27 @@ interface Mark {
 
 const ORDER = ["plan", "beside", "event", "state", "error"] as const;
 
+interface Marked {
+  marks: readonly Mark[];
+  first: number;
+  end: number;
+}
+
+/** The marks near a place, the nearest first. */
+function near({ marks, first, end }: Marked, x: number, line: Element, reach: number): Mark[] {
+  const { left, width } = line.getBoundingClientRect();
+  const distance = ({ time }: Mark) => Math.abs(left + (width * (time - first)) / (end - first) - x);
+  return marks.filter((each) => distance(each) < reach).sort((a, b) => distance(a) - distance(b));
+}
+
+function lookAt(mark: Mark | undefined): void {
+  if (mark && mark.kind !== "plan") void store.look(mark.time);
+}
+
 /** Marks over the whole line, drawn as one path for each kind. */
-const Marks = memo(function Marks({ marks, first, end }: { marks: readonly Mark[]; first: number; end: number }) {
+const Marks = memo(function Marks(marked: Marked) {
+  const { marks, first, end } = marked;
   const at = (time: number) => (1000 * (time - first)) / (end - first);
-  const near = (e: { clientX: number; currentTarget: Element }) => {
-    const { left, width } = e.currentTarget.getBoundingClientRect();
-    const distance = ({ time }: Mark) => Math.abs(left + (width * at(time)) / 1000 - e.clientX);
-    return marks.filter((each) => distance(each) < NEAR).sort((a, b) => distance(a) - distance(b));
-  };
   return (
     <svg
       className="marks"
@@ -90,13 +104,10 @@ const Marks = memo(function Marks({ marks, first, end }: { marks: readonly Mark[
       preserveAspectRatio="none"
       aria-hidden
       onMouseMove={(e) => {
-        const lines = near(e).map((each) => `${each.time.toFixed(3)} s ${each.text}`);
+        const lines = near(marked, e.clientX, e.currentTarget, NEAR).map((each) => `${each.time.toFixed(3)} s ${each.text}`);
         e.currentTarget.querySelector("title")!.textContent = lines.slice(0, 12).join("\n");
       }}
-      onClick={(e) => {
-        const [nearest] = near(e);
-        if (nearest && nearest.kind !== "plan") void store.look(nearest.time);
-      }}
+      onClick={(e) => lookAt(near(marked, e.clientX, e.currentTarget, NEAR)[0])}
     >
       <title />
       <rect width="1000" height="10" fill="transparent" />
@@ -190,6 +201,7 @@ function marksOf(lines: readonly Line[], plan: readonly PlannedEvent[], first: n
 /** `brief`: what a phone has room for below another view. */
 export function TimeBar({ system, full, lines, live, playing, brief }: { system: SystemState; full: boolean; lines: readonly Line[]; live: boolean; playing: boolean; brief: boolean }) {
   const { time, plan, components } = system;
+  const pressed = useRef(0);
   const simulated = time.kind === "CLOCK_SIMULATED";
   const recording = time.kind === "CLOCK_RECORDING";
   /** Whether other processes run the system, whose next run can be compared with this one. */
@@ -198,6 +210,7 @@ export function TimeBar({ system, full, lines, live, playing, brief }: { system:
   const last = Math.max(time.last, time.first + MIN_STEP);
   const end = Math.max(last, ...plan.map((each) => each.time));
   const part = (100 * (last - time.first)) / (end - time.first);
+  const marked = { marks: marksOf(lines, plan, time.first, time.last), first: time.first, end };
   return (
     <footer>
       <div className="time" role="toolbar" aria-label={t("Time")}>
@@ -222,8 +235,18 @@ export function TimeBar({ system, full, lines, live, playing, brief }: { system:
           <Speed speeds={SPEEDS} speed={time.speed} disabled={!full} choose={(speed) => void store.order({ case: "speed", value: speed })} />
         )}
       </div>
-      <div className="line">
-        <Marks marks={marksOf(lines, plan, time.first, time.last)} first={time.first} end={end} />
+      {/* A finger is wider than a mark, which the slider covers. */}
+      <div
+        className="line"
+        onPointerDown={(e) => {
+          pressed.current = e.clientX;
+        }}
+        onPointerUp={({ pointerType, clientX, currentTarget }) => {
+          const isTap = pointerType === "touch" && Math.abs(clientX - pressed.current) < NEAR;
+          if (isTap) lookAt(near(marked, clientX, currentTarget.querySelector(".marks")!, TOUCHED)[0]);
+        }}
+      >
+        <Marks {...marked} />
         <input
           type="range"
           className="past"

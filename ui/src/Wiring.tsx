@@ -58,6 +58,8 @@ export function hue(type: string): number {
 /** The colour of a type, with a contrast above 3 on light and on dark paper (WCAG 2.2, 1.4.11). */
 const ink = (type: string): string => `oklch(58% 0.15 ${hue(type)})`;
 
+const REACH = <i className="reach" />;
+
 function PortRow({ component, port, fits, joined }: { component: Component; port: Port; fits: BoxData["fits"]; joined: BoxData["joined"] }) {
   const inspect = useContext(Inspecting);
   const service = port.kind === "PORT_SERVICE";
@@ -74,11 +76,11 @@ function PortRow({ component, port, fits, joined }: { component: Component; port
   const names = { id: idOf(port.name), role: "img", "aria-label": t(service ? "service port {port}" : port.kind === "PORT_IN" ? "in port {port}" : "out port {port}", { port: `${component.instance}.${port.name}` }), title, style };
   return (
     <div className={`port ${kind} ${mark} ${isOpen ? "open" : ""} ${service && !provided ? "socket" : ""}`} title={title}>
-      {kind !== "out" && <Handle type="target" position={Position.Left} {...names} {...side(false)} />}
+      {kind !== "out" && <Handle type="target" position={Position.Left} {...names} {...side(false)}>{REACH}</Handle>}
       <span onClick={() => inspect({ kind: "port", instance: component.instance, port: port.name })}>{port.name}</span>
       <small title={[typeOf(port), title].join("\n")}>{typeOf(port)}</small>
-      {kind === "out" && <Handle type="source" position={Position.Right} {...names} />}
-      {service && <Handle type="source" position={Position.Right} {...names} {...side(true)} />}
+      {kind === "out" && <Handle type="source" position={Position.Right} {...names}>{REACH}</Handle>}
+      {service && <Handle type="source" position={Position.Right} {...names} {...side(true)}>{REACH}</Handle>}
     </div>
   );
 }

@@ -377,6 +377,7 @@ export class Store {
       case "removed":
         this.system((system) => ({
           components: system.components.filter((each) => each.instance !== event.value),
+          channels: system.channels.filter((each) => each.beside || each.port.instance !== event.value),
         }));
         break;
       case "connected": {

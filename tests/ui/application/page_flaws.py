@@ -38,6 +38,30 @@ def violations(page: Any) -> list[str]:
     return found
 
 
+def too_small(page: Any) -> list[str]:
+    """Return what can be touched, but is smaller than a finger (WCAG 2.2, 2.5.5).
+
+    Links in a text do not count, nor what is zoomed.
+    """
+    found: list[str] = page.evaluate(_SMALL, _TOUCH)
+    return found
+
+
+_TOUCH = 44
+"""The least width and height of what is touched [px]."""
+
+_SMALL = """least => [...document.querySelectorAll(
+    "button, select, input, textarea, [role=tab], summary, a, [cmdk-item]")]
+    .filter(each => each.checkVisibility({ visibilityProperty: true })
+        && !each.closest(".link, .react-flow__viewport, .react-flow__attribution"))
+    .map(each => [each, (each.matches("[type=checkbox], [type=radio]") && each.closest("label")
+        || each).getBoundingClientRect()])
+    .filter(([each, { width, height }]) => height < least - 0.5 && height > 0
+        || (width < least - 0.5 && width > 0 && !each.matches("summary, [type=checkbox]")))
+    .map(([each, { width, height }]) => `${each.tagName} ${each.getAttribute("aria-label")
+        ?? each.textContent.slice(0, 30)} ${width}x${height}`)"""
+
+
 AXE = Path(__file__).parents[3] / "ui/node_modules/axe-core/axe.min.js"
 _LOOKS = 30
 _BETWEEN = 100

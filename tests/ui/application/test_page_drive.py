@@ -9,7 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from ui_bench import ROOT, WIDE, anew, by_keyboard, choose, pick, reach, until
+from ui_bench import ROOT, WIDE, Finger, anew, by_keyboard, choose, pick, reach, until
 
 from rtgen.runtime import System
 from rtgen.ui.calls import Injector
@@ -76,17 +76,11 @@ def mouse(page: Any, pad: Any) -> Iterator[None]:
 @contextmanager
 def touch(page: Any, pad: Any) -> Iterator[None]:
     x, y = middle(pad)
-    finger = page.context.new_cdp_session(page)
-
-    def send(kind: str, *points: tuple[float, float]) -> None:
-        found = [{"x": x, "y": y} for x, y in points]
-        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": found})
-
-    send("touchStart", (x, y))
-    send("touchMove", (x, y - 50))
+    finger = Finger(page)
+    finger.touch((x, y))
+    finger.move((x, y - 50))
     yield
-    send("touchEnd")
-    finger.detach()
+    finger.lift()
 
 
 @contextmanager

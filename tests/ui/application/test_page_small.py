@@ -7,17 +7,15 @@ from contextlib import contextmanager
 from typing import Any
 
 import pytest
-from page_flaws import violations
+from page_flaws import too_small, violations
 from patience import PATIENCE
-from ui_bench import until
+from ui_bench import Finger, until
 
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
 PHONE, TABLET = (390, 844), (820, 1180)
 pytestmark = [pytest.mark.slow, pytest.mark.peer]
-TOUCH = 44
-"""The least width and height of what is touched [px] (WCAG 2.2, 2.5.5)."""
 LEGIBLE = 9
 """The least size of the letters of a name [px]."""
 
@@ -96,22 +94,11 @@ def test_the_whole_wiring_is_seen_at_first(page: Any, session: Session) -> None:
     until(page, fits)
 
 
-SMALL = """least => [...document.querySelectorAll(
-    "button, select, input, textarea, [role=tab], summary, a")]
-    .filter(each => each.checkVisibility({ visibilityProperty: true })
-        && !each.closest(".link, .react-flow__viewport, .react-flow__attribution"))
-    .map(each => [each, (each.matches("[type=checkbox], [type=radio]") && each.closest("label")
-        || each).getBoundingClientRect()])
-    .filter(([each, { width, height }]) => height < least - 0.5 && height > 0
-        || (width < least - 0.5 && width > 0 && !each.matches("summary, [type=checkbox]")))
-    .map(([each, { width, height }]) => `${each.tagName} ${each.getAttribute("aria-label")
-        ?? each.textContent.slice(0, 30)} ${width}x${height}`)"""
-"""What can be touched, but is smaller than a finger; not links in a text, nor what is zoomed."""
 WIDTH = "document.documentElement.scrollWidth - innerWidth"
 
 
 def check(page: Any, what: str) -> None:
-    assert page.evaluate(SMALL, TOUCH) == [], what
+    assert too_small(page) == [], what
     assert page.evaluate(WIDTH) <= 0, what
     assert violations(page) == [], what
 
@@ -178,17 +165,13 @@ def test_the_stick_is_reached_and_pulled(page: Any, session: Session) -> None:
     assert box["y"] + box["height"] <= min(bar["y"], footer["y"])
     assert box["y"] >= page.locator("header").bounding_box()["height"]
     x, y = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    finger = page.context.new_cdp_session(page)
-    for kind, points in (
-        ("touchStart", [{"x": x, "y": y}]),
-        ("touchMove", [{"x": x, "y": y - 50}]),
-    ):
-        finger.send("Input.dispatchTouchEvent", {"type": kind, "touchPoints": points})
+    finger = Finger(page)
+    finger.touch((x, y))
+    finger.move((x, y - 50))
     command = page.get_by_role("status", name="Command")
     until(page, lambda: not command.inner_text().startswith("0.00 m/s"))
-    finger.send("Input.dispatchTouchEvent", {"type": "touchEnd", "touchPoints": []})
+    finger.lift()
     until(page, lambda: command.inner_text().startswith("0.00 m/s"))
-    finger.detach()
     show(page, "Wiring")
 
 

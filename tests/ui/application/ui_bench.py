@@ -253,6 +253,68 @@ def drag(
     raise AssertionError("the box has not moved")
 
 
+Point = tuple[float, float]
+
+
+class Finger:
+    """The fingers on a page: the browser's own touches, not events made by a script."""
+
+    STEPS = 6
+    PAUSE = 0.1
+    """A finger that has rested for this time does not throw what it moves [s]."""
+
+    def __init__(self, page: Any) -> None:
+        self._input = page.context.new_cdp_session(page)
+        self._points: tuple[Point, ...] = ()
+
+    def _send(self, kind: str, *points: Point, later: float = 0.0) -> None:
+        found = [{"x": x, "y": y, "id": i} for i, (x, y) in enumerate(points)]
+        event = {"type": kind, "touchPoints": found, "timestamp": time.time() + later}
+        self._input.send("Input.dispatchTouchEvent", event)
+        self._points = points
+
+    def touch(self, *points: Point) -> None:
+        """Put a finger on each point."""
+        self._send("touchStart", *points)
+
+    def move(self, *points: Point) -> None:
+        """Move the fingers."""
+        self._send("touchMove", *points)
+
+    def lift(self) -> None:
+        """Take all fingers off, after a rest: a throw would take the next touch to stop it."""
+        self._send("touchMove", *self._points, later=self.PAUSE)
+        self._send("touchEnd", later=self.PAUSE)
+
+    def pull(self, start: Point, across: float, down: float) -> None:
+        """Put a finger down and move it by a way; it stays."""
+        x, y = start
+        self.touch(start)
+        for part in (step / self.STEPS for step in range(1, self.STEPS + 1)):
+            self.move((x + part * across, y + part * down))
+
+    def drag(self, start: Point, across: float, down: float) -> None:
+        """Move what is at a point by a way."""
+        self.pull(start, across, down)
+        self.lift()
+
+    def pinch(self, middle: Point, before: float, after: float) -> None:
+        """Move two fingers on both sides of a point to another distance."""
+        x, y = middle
+        self.touch((x - before, y), (x + before, y))
+        for step in range(1, self.STEPS + 1):
+            apart = before + (after - before) * step / self.STEPS
+            self.move((x - apart, y), (x + apart, y))
+        self.lift()
+
+
+def centre(part: Any) -> Point:
+    """Return the middle of an element of a page that does not move any more."""
+    part.scroll_into_view_if_needed()
+    box = part.bounding_box()
+    return box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
+
+
 def anew(page: Any, session: Session) -> None:
     """Open the system's file again, and let time pass."""
     opened = threading.Event()
