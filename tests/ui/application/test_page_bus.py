@@ -261,6 +261,7 @@ def test_objects_are_a_tree(bus: Any, press: Callable[[Any], None]) -> None:
     region = bus.get_by_role("region", name="Object dictionary")
     if region.get_by_label("Node").input_value() != "2":
         pick(region.get_by_label("Node"), "front_right", press)
+    region.get_by_label("Objects", exact=True).fill("")
     for branch in ("Communication", "1018h Identity"):
         press(region.locator("summary", has_text=re.compile(f"^{branch}")))
     press(region.get_by_role("button", name="Read all of 1018h Identity"))
