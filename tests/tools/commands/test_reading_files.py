@@ -43,6 +43,7 @@ OWN_FILES = {
     "compiler/kit/resources.py rh3_source",
     "compiler/kit/resources.py ros_source",
     "compiler/kit/resources.py usual_units",
+    "ui/server.py _file.serve",
     "ui/server.py _index.serve",
 }
 """Readers of files that are installed with rtgen."""
@@ -69,6 +70,7 @@ WRITERS = {
 """Writers of new files, of outputs that a command names, and of rtgen's own state."""
 
 OTHERS = {
+    "__main__.py _open_streams",
     "facts/looks.py digest",
     "compiler/kit/own_files.py read_own",
     "cli/formatting.py Formatter.write_text",
@@ -78,7 +80,7 @@ OTHERS = {
     "runtime/system/monitor.py _activity",
 }
 """Functions that read files of the cache, compare the octets of a file with those that a command
-read, or open none.
+read, or open none, or the null device.
 """
 
 _MODE = re.compile(r"[rwaxbt+]{1,3}")
