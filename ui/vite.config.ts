@@ -1,7 +1,10 @@
 import { defineConfig } from "vite";
-import type { Plugin } from "vite";
+import type { HtmlTagDescriptor, Plugin } from "vite";
 
-/** What the page imports first of all is fetched at once, not when the entry has begun. */
+/** The part of the page that starts the layout's worker. */
+const EARLY = "early";
+
+/** `early` runs before all else; what the page imports first of all is fetched at once, not when the entry has begun. */
 const preload: Plugin = {
   name: "preload",
   transformIndexHtml: {
@@ -10,9 +13,11 @@ const preload: Plugin = {
       const chunks = Object.values(bundle).flatMap((each) => (each.type === "chunk" ? [each] : []));
       const withImports = (names: readonly string[]): string[] => names.flatMap((name) => [name, ...withImports(chunks.find((each) => each.fileName === name)!.imports)]);
       const entries = chunks.filter((each) => each.isEntry);
+      const early = entries.find((each) => each.name === EARLY)?.fileName;
       const begun = withImports(entries.map((each) => each.fileName));
       const next = new Set(withImports(entries.flatMap((each) => each.dynamicImports)).filter((each) => !begun.includes(each)));
-      return [...next].map((each) => ({ tag: "link", attrs: { rel: "modulepreload", crossorigin: true, href: `./${each}` }, injectTo: "head" }));
+      const first: HtmlTagDescriptor[] = early ? [{ tag: "script", attrs: { type: "module", async: true, crossorigin: true, src: `./${early}` }, injectTo: "head-prepend" }] : [];
+      return [...first, ...[...next].map((each): HtmlTagDescriptor => ({ tag: "link", attrs: { rel: "modulepreload", crossorigin: true, href: `./${each}` }, injectTo: "head" }))];
     },
   },
 };
@@ -21,6 +26,7 @@ export default defineConfig({
   base: "./",
   plugins: [preload],
   build: {
+    rollupOptions: { input: { index: "index.html", [EARLY]: "src/early.ts" } },
     outDir: "node_modules/.page",
     emptyOutDir: true,
     assetsInlineLimit: 0,

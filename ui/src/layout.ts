@@ -2,6 +2,7 @@
 
 import ELK from "elkjs/lib/elk-api.js";
 import type { ElkNode, ElkPort } from "elkjs/lib/elk-api.js";
+import { layoutWorker } from "./early.ts";
 import type { Line } from "./lines.ts";
 import type { Component, Connection, Location, Port } from "./protocol/Ui.ts";
 import { CLEAR, isClear } from "./routes.ts";
@@ -281,7 +282,7 @@ export function layouter(): Engine {
   const failed = new Promise<never>((_, reject) => (fail = reject));
   failed.catch(() => (engine = undefined));
   const workerFactory = () => {
-    const worker = new Worker(new URL("./elk.ts", import.meta.url));
+    const worker = layoutWorker();
     worker.onerror = (e) => fail(new Error(e.message || t("its worker has ended")));
     return worker;
   };
