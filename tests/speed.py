@@ -14,8 +14,10 @@ import sys
 import sysconfig
 import tempfile
 import zipfile
+from functools import cache
 from pathlib import Path
 from types import ModuleType
+from typing import Any
 
 import environments
 import pytest
@@ -61,6 +63,19 @@ def module() -> ModuleType:
     made = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(made)
     return made
+
+
+def choose_for_ports(monkeypatch: pytest.MonkeyPatch, module: Any) -> None:
+    """Calls of ports are in that module from the next connection on, or in Python without one."""
+    from rtgen.runtime import InPort, OutPort
+    from rtgen.runtime.marshalling import tables
+    from rtgen.runtime.ports import data_ports, in_c
+
+    for class_, name in ((OutPort, "write"), (InPort, "read"), (InPort, "is_new")):
+        call = vars(class_)[name]
+        monkeypatch.setattr(class_, name, getattr(call, "__wrapped__", call))
+    monkeypatch.setattr(tables, "speed", lambda: module)
+    monkeypatch.setattr(data_ports, "module", cache(in_c.module.__wrapped__))
 
 
 if __name__ == "__main__":

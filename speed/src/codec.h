@@ -121,6 +121,7 @@ extern PyObject *numeric_array; /* rtgen's array class, set by the runtime */
 int put(Writer *, const Node *, PyObject *);
 PyObject *take(Reader *, const Node *);
 PyObject *copy(const Node *, PyObject *, int depth);
+PyObject *copy_over(const Node *, PyObject *, PyObject *spare);
 int union_number(PyObject *discriminator, int64_t *number);
 const Node *branch_of(const Node *, int64_t number);
 Py_ssize_t slot_of(PyTypeObject *, PyObject *name);

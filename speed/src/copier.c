@@ -86,6 +86,54 @@ static PyObject *copy_members(const Node *node, PyObject *value, int depth) {
     return made;
 }
 
+/* Whether `old`, a part of a sample that nothing else refers to, can become the copy of `value`. */
+ALWAYS int is_reusable(const Node *node, PyObject *value, PyObject *old) {
+#ifdef Py_GIL_DISABLED
+    return 0;  /* references of other threads are not counted */
+#endif
+    if (old == NULL || Py_REFCNT(old) != 1 || !Py_IS_TYPE(old, Py_TYPE(value))) return 0;
+    if (node->kind == STRUCT)
+        return (PyObject *)Py_TYPE(value) == node->type && node->plain && !Py_TYPE(value)->tp_dictoffset && !Py_TYPE(value)->tp_weaklistoffset;
+    int is_flat = node->kind == NUMBERS ? node->form != AS_LIST || node->dimensions <= 1 : node->kind == REPEAT && node->child->shared;
+    return is_flat && PyList_CheckExact(value) && PyList_GET_SIZE(value) == PyList_GET_SIZE(old);
+}
+
+/* Copies into `old`, whose reference is passed on, what it can; else makes a copy. */
+static PyObject *copy_into(const Node *node, PyObject *value, PyObject *old, int depth) {
+    if (depth > MAX_DEPTH || !is_reusable(node, value, old)) {
+        PyObject *made = copy(node, value, depth);
+        Py_XDECREF(old);
+        return made;
+    }
+    if (node->kind != STRUCT) {
+        for (Py_ssize_t i = 0; i < PyList_GET_SIZE(value) && i < PyList_GET_SIZE(old); i++) {
+            PyObject *before = PyList_GET_ITEM(old, i);
+            PyList_SET_ITEM(old, i, Py_NewRef(PyList_GET_ITEM(value, i)));
+            Py_DECREF(before);
+        }
+        return old;
+    }
+    for (Py_ssize_t i = 0; i < node->count; i++) {
+        const Member *member = &node->members[i];
+        PyObject *part = Py_XNewRef(*(PyObject **)((char *)value + member->offset));
+        PyObject **slot = (PyObject **)((char *)old + member->offset), *before = *slot;
+        *slot = NULL;
+        if (part == NULL) return Py_XDECREF(before), Py_DECREF(old), NULL;
+        if (member->node->shared || (part == Py_None && member->optional)) {
+            *slot = part;
+            Py_XDECREF(before);
+            continue;
+        }
+        *slot = copy_into(member->node, part, before, depth + 1);
+        Py_DECREF(part);
+        if (*slot == NULL) return Py_DECREF(old), NULL;
+    }
+    return old;
+}
+
+/* Returns a copy. `spare` is a sample that only the caller refers to, or NULL: its reference is passed on. */
+PyObject *copy_over(const Node *node, PyObject *value, PyObject *spare) { return copy_into(node, value, spare, 0); }
+
 PyObject *copy(const Node *node, PyObject *value, int depth) {
     if (node->shared) return Py_NewRef(value);
     if (depth > MAX_DEPTH) return NULL;

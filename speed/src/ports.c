@@ -7,23 +7,31 @@
 
 static PyTypeObject *deque_type = NULL;
 static PyCFunction deque_popleft = NULL;
-static PyObject *move_name = NULL, *write_moved_name = NULL, *overwritten_name = NULL;
+static PyObject *move_name = NULL, *write_moved_name = NULL, *overwritten_name = NULL, *spare_name = NULL;
 
 /* The way of a sample into the buffer of a connection: `DataConnector.short_way`. */
 typedef struct {
     PyObject_HEAD
     vectorcallfunc call;
     PyTypeObject *type;     /* of the samples */
-    PyObject *samples, *snapshot, *send, *buffer, *append, *drop, *done;
+    PyObject *samples, *snapshot, *send, *buffer, *append, *drop, *done, *reader;
+    Py_ssize_t spare;       /* offset of the attribute of `reader` with a sample that nothing else refers to, or -1 */
     PyCFunction add;        /* of `append`, if that is a method of C */
     const Node *copied;     /* of `snapshot`, if that is a codec */
     Py_ssize_t length;
     int overwrites;
 } Way;
 
+static PyObject **slot(PyObject *self, Py_ssize_t offset) { return (PyObject **)((char *)self + offset); }
+
 static PyObject *snapshot_of(Way *self, PyObject *value) {
     if (self->copied != NULL) {
-        PyObject *made = copy(self->copied, value, 0);
+        PyObject *spare = NULL;
+        if (self->spare >= 0) {
+            spare = *slot(self->reader, self->spare);
+            *slot(self->reader, self->spare) = NULL;
+        }
+        PyObject *made = copy_over(self->copied, value, spare);
         if (made != NULL) return made;
         if (PyErr_Occurred()) {
             if (!PyErr_ExceptionMatches(PyExc_Exception)) return NULL;
@@ -74,6 +82,7 @@ static int way_traverse(Way *self, visitproc visit, void *arg) {
     Py_VISIT(self->append);
     Py_VISIT(self->drop);
     Py_VISIT(self->done);
+    Py_VISIT(self->reader);
     return 0;
 }
 
@@ -88,15 +97,16 @@ static void way_dealloc(Way *self) {
     Py_CLEAR(self->append);
     Py_CLEAR(self->drop);
     Py_CLEAR(self->done);
+    Py_CLEAR(self->reader);
     Py_TYPE(self)->tp_free((PyObject *)self);
 }
 
 static PyObject *way_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
-    static char *names[] = {"type", "samples", "length", "overwrites", "snapshot", "send", "buffer", "drop", "done", NULL};
+    static char *names[] = {"type", "samples", "length", "overwrites", "snapshot", "send", "buffer", "drop", "done", "reader", NULL};
     Way given;
-    if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!O!npOOOOO", names, &PyType_Type, &given.type, deque_type, &given.samples,
+    if (!PyArg_ParseTupleAndKeywords(args, kwargs, "O!O!npOOOOOO", names, &PyType_Type, &given.type, deque_type, &given.samples,
                                      &given.length, &given.overwrites, &given.snapshot, &given.send, &given.buffer,
-                                     &given.drop, &given.done)) return NULL;
+                                     &given.drop, &given.done, &given.reader)) return NULL;
     PyObject *append = PyObject_GetAttrString(given.samples, "append");
     Way *self = append == NULL ? NULL : (Way *)type->tp_alloc(type, 0);
     if (self == NULL) return Py_XDECREF(append), NULL;
@@ -110,6 +120,8 @@ static PyObject *way_new(PyTypeObject *type, PyObject *args, PyObject *kwargs) {
     self->buffer = Py_NewRef(given.buffer);
     self->drop = Py_NewRef(given.drop);
     self->done = Py_NewRef(given.done);
+    self->reader = Py_NewRef(given.reader);
+    self->spare = slot_of(Py_TYPE(given.reader), spare_name);
     self->append = append;
     if (PyCFunction_CheckExact(append) && PyCFunction_GET_FLAGS(append) == METH_O) self->add = PyCFunction_GET_FUNCTION(append);
     Codec *codec = (Codec *)given.snapshot;
@@ -138,12 +150,10 @@ typedef struct {
     vectorcallfunc call;
     PyTypeObject *class;
     PyObject *function;
-    Py_ssize_t slot, last;  /* offsets of the attributes */
+    Py_ssize_t slot, last, spare;  /* offsets of the attributes */
     Py_ssize_t sole;        /* references to an argument that one variable refers to, or 0 */
     enum PortMethod kind;
 } Method;
-
-static PyObject **slot(PyObject *self, Py_ssize_t offset) { return (PyObject **)((char *)self + offset); }
 
 /* Returns the result, or NULL without an exception if the function has to be called. */
 static PyObject *write_sample(Method *self, PyObject *const *args, PyObject *names) {
@@ -176,7 +186,12 @@ static PyObject *method_call(PyObject *callable, PyObject *const *args, size_t n
             } else if ((result = deque_popleft(samples, NULL)) != NULL) {
                 PyObject **last = slot(args[0], self->last), *before = *last;
                 *last = Py_NewRef(result);
-                Py_XDECREF(before);
+                if (before != NULL && Py_REFCNT(before) == 1 && self->spare >= 0) {
+                    last = slot(args[0], self->spare);
+                    Py_XSETREF(*last, before);
+                } else {
+                    Py_XDECREF(before);
+                }
             }
         }
     }
@@ -218,6 +233,7 @@ static PyObject *method_new(PyTypeObject *type, PyObject *args, PyObject *kwargs
     self->function = Py_NewRef(function);
     self->slot = place;
     self->last = place_of_last;
+    self->spare = kind == PORT_READ ? slot_of(class, spare_name) : -1;
     self->sole = sole;
     self->kind = (enum PortMethod)kind;
     return (PyObject *)self;
@@ -263,7 +279,8 @@ int add_ports(PyObject *module) {
     move_name = PyUnicode_InternFromString("move");
     write_moved_name = PyUnicode_InternFromString("_write_moved");
     overwritten_name = PyUnicode_InternFromString("overwritten");
-    if (move_name == NULL || write_moved_name == NULL || overwritten_name == NULL) return -1;
+    spare_name = PyUnicode_InternFromString("_spare");
+    if (spare_name == NULL || move_name == NULL || write_moved_name == NULL || overwritten_name == NULL) return -1;
     if (PyType_Ready(&Way_Type) || PyType_Ready(&Method_Type)) return -1;
     return PyModule_AddObjectRef(module, "Way", (PyObject *)&Way_Type) ||
            PyModule_AddObjectRef(module, "Method", (PyObject *)&Method_Type) ? -1 : 0;

@@ -19,6 +19,7 @@ import speed
 from random_types import Definitions, Values
 from seeds import budget, cases
 
+from rtgen.runtime import InPort, OutPort
 from rtgen.runtime.cdr import Aggregated, CdrError, Union
 from rtgen.runtime.marshalling import compiler, tables
 from rtgen.runtime.marshalling.descriptors import (
@@ -32,6 +33,8 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 from rtgen.runtime.marshalling.layouts.formats import CLASSIC, Format
 from rtgen.runtime.marshalling.layouts.trees import can_evolve, is_dynamic
+from rtgen.runtime.ports.data_ports import DataConnector
+from rtgen.runtime.timing.guards import SINGLE_THREAD
 from rtgen.runtime.values import AnyValue
 
 sys.path.append(str(Path(__file__).parents[2] / "fuzz"))
@@ -245,6 +248,55 @@ def test_drawn_types(tmp_path: Path) -> None:
                     checked.value(value, draw)
                     checked.damaged(value, draw)
     assert covered
+
+
+def _parts(value: Any) -> Iterator[Any]:
+    """Yield a value and all of its parts that can change."""
+    yield value
+    if isinstance(value, Aggregated):
+        inner = [getattr(value, name) for name in value.__struct_fields__]
+    elif isinstance(value, dict):
+        inner = [*value.values()]
+    else:
+        inner = value if isinstance(value, list) else []
+    for each in inner:
+        if isinstance(each, Aggregated | list | dict | array):
+            yield from _parts(each)
+
+
+def test_samples_that_a_reader_holds_stay(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """Ports make new samples of old ones, but not of a part that somebody refers to."""
+    speed.choose_for_ports(monkeypatch, speed.module())
+    again = 0
+    for number in cases(20, always=4):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        values: dict[type[Any], list[Any]] = {}
+        draw = Random(number)
+        for class_, value, _ in _drawn(number, folder):
+            if issubclass(class_, Aggregated) and not is_dynamic(class_._descriptor_):
+                values.setdefault(class_, []).append(value)
+        for class_, samples in values.items():
+            out, port = OutPort("out", class_), InPort("in", class_)
+            DataConnector("c", out, port, {}, lambda: SINGLE_THREAD).attach()
+            held: list[tuple[Any, str]] = []
+            seen: set[int] = set()
+            for _ in range(12):
+                sample_ = draw.choice(samples)
+                out.write(sample_)
+                got = port.read()
+                assert got is not sample_
+                assert repr(got) == repr(sample_)
+                again += id(got) in seen
+                seen.add(id(got))
+                if draw.random() < 0.5:
+                    part = draw.choice([*_parts(got)])
+                    held.append((part, repr(part)))
+                del got
+            assert [repr(part) for part, _ in held] == [text for _, text in held]
+    assert again
 
 
 def test_characters_at_each_place_of_a_wide_string(tmp_path: Path) -> None:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import inspect
 import random
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from functools import partial
 from typing import Any
 
@@ -13,27 +13,17 @@ import seeds
 import speed
 from runtime_samples import Actor, TimedLong, TwinOfTimedLong, joined, long
 
-from rtgen.runtime import InPort, OutPort
-from rtgen.runtime.marshalling import tables
-from rtgen.runtime.ports import data_ports, in_c
+from rtgen.runtime import OutPort
+from rtgen.runtime.ports import data_ports
 
 FULL = "dataport.buffer.write.full_policy"
 LENGTH = "dataport.buffer.length"
 
 
 @pytest.fixture
-def choose(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[[Any], None]]:
+def choose(monkeypatch: pytest.MonkeyPatch) -> Callable[[Any], None]:
     """Choose the module in C, or None, for connections from now on."""
-
-    def chosen(module: Any) -> None:
-        for class_, name in ((OutPort, "write"), (InPort, "read"), (InPort, "is_new")):
-            call = vars(class_)[name]
-            monkeypatch.setattr(class_, name, getattr(call, "__wrapped__", call))
-        monkeypatch.setattr(tables, "speed", lambda: module)
-        in_c.module.cache_clear()
-
-    yield chosen
-    in_c.module.cache_clear()
+    return partial(speed.choose_for_ports, monkeypatch)
 
 
 @pytest.fixture

@@ -61,6 +61,7 @@ class InPort(Generic[T]):
         "_last",
         "_on_arrival",
         "_sole",
+        "_spare",
         "_unread",
         "lost_when_cut",
         "name",
@@ -84,6 +85,8 @@ class InPort(Generic[T]):
         # Fast path: the samples of the only buffer, if only one thread uses it.
         self._sole: deque[T] = _NOTHING
         self._unread: deque[Any] = _NOTHING
+        self._spare: T | None = None
+        """A sample that nobody refers to any more, of which `rtgen-speed` makes the next one."""
 
     def __repr__(self) -> str:
         return f"<InPort {self}: {self.type.__name__}>"
@@ -611,6 +614,7 @@ class DataConnector(Generic[T]):
                 buffer,
                 drop,
                 PORT_OK,
+                self.target,
             )
             return way
 
