@@ -237,6 +237,25 @@ def test_other_packages_are_seen(
         assert answers.repeat(CHECK) is None, "a plug-in may look at anything"
 
 
+def test_packages_that_cannot_be_read_announce_nothing(
+    project: Path,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    before, site = os.listdir, tmp_path / "site"
+    site.mkdir()
+
+    def listdir(path: Path) -> list[str]:
+        if path == site:
+            raise PermissionError(13, "Permission denied", str(path))
+        return before(path)
+
+    monkeypatch.syspath_prepend(site)
+    monkeypatch.setattr(os, "listdir", listdir)
+    assert printed(CHECK, monkeypatch, capfd)[0] == 0
+
+
 def test_an_answer_is_stored_only_if_the_files_are_those_that_were_read(
     project: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

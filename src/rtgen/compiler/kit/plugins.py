@@ -157,6 +157,14 @@ def _search_path() -> tuple[tuple[str, int], ...]:
     return tuple(places)
 
 
+def names_in(folder: Path) -> list[str]:
+    """Return the sorted names in a folder that Python imports from; none if it cannot be read."""
+    try:
+        return sorted(os.listdir(folder))  # noqa: PTH208 (time)
+    except PermissionError:
+        return []  # Python passes over it as well
+
+
 @lru_cache(maxsize=2)
 def _sections(search_path: tuple[tuple[str, int], ...]) -> frozenset[bytes] | None:
     """Return the groups of all entry points on the search path; None if they are not all known.
@@ -170,7 +178,7 @@ def _sections(search_path: tuple[tuple[str, int], ...]) -> frozenset[bytes] | No
         if not folder.is_dir():  # an archive
             return None
         look(NAMES, folder)
-        for name in os.listdir(folder):  # noqa: PTH208 (time)
+        for name in names_in(folder):
             if name == "EGG-INFO" or name.endswith(".egg"):
                 return None
             if name.endswith(_METADATA_SUFFIXES):
