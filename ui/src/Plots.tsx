@@ -7,6 +7,7 @@ import { MemberPlot, portOf } from "./MemberPlot.tsx";
 import { addMember, addPlot, memberOf, removePlot, usePlots } from "./members.ts";
 import { MEMBER, Span } from "./Plot.tsx";
 import type { SystemState } from "./protocol/Ui.ts";
+import { rich } from "./rich.tsx";
 import { t } from "./texts.ts";
 
 /** Plots of this view, by their numbers; those of other views have other names. */
@@ -50,7 +51,11 @@ export function Plots({ system }: { system: SystemState }) {
             {choice(id, t("Add a port to {plot}", { plot: labelOf(id) }))}
             <IconButton icon={Trash2} look="plain" label={t("Remove {name}", { name: labelOf(id) })} onClick={() => removePlot(id)} />
           </MemberPlot>
-          {!members.length && <p className="empty">{t("Add a port, or drag rows here from the tables of Values.")}</p>}
+          {!members.length && (
+            <p className="empty">
+              {t("Add a port.")} <span className="by-mouse">{t("Or drag rows here from the tables of Values.")}</span>
+            </p>
+          )}
         </section>
       ))}
       <div
@@ -69,8 +74,11 @@ export function Plots({ system }: { system: SystemState }) {
         }}
       >
         {choice(next, t("Add a port to a new plot"))}
-        <span>{t("or drag a row of a table here for a new plot")}</span>
+        <span className="by-mouse">{t("or drag a row of a table here for a new plot")}</span>
       </div>
+      {system.keeps || system.beside || system.time.kind !== "CLOCK_SIMULATED" ? null : (
+        <p className="empty">{rich("To compare two runs: {keep}, at the time line, then run again.", { keep: <strong>{t("Keep to compare")}</strong> })}</p>
+      )}
     </>
   );
 }

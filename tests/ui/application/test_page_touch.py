@@ -411,6 +411,8 @@ def test_6_plots(hand: Hand) -> None:
     hand.check()
     # A row of a table cannot be dragged by a finger: its port is chosen.
     hand.show("Plots")
+    page.get_by_text("To compare two runs").wait_for()
+    page.get_by_text("or drag a row").wait_for(state="hidden")
     hand.tap("New plot")
     plot = page.get_by_role("region", name="Plot 1")
     hand.pick(plot.get_by_label("Add a port to Plot 1"), POSE)
