@@ -1,10 +1,6 @@
 /** Starts the layout's worker before the rest of the page is read: it takes longest to load. */
 
-function start(): Worker {
-  const worker = new Worker(new URL("./elk.ts", import.meta.url));
-  worker.postMessage("load");
-  return worker;
-}
+const start = (): Worker => new Worker(new URL("./elk.ts", import.meta.url));
 
 let first: Worker | undefined = start();
 // Nobody listens to it yet: the next one fails before those who do.

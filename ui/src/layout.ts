@@ -1,13 +1,14 @@
 /** Layout of the wiring: sizes and places of boxes, routes of connections (layered algorithm of ELK). */
 
-import ELK from "elkjs/lib/elk-api.js";
 import type { ElkNode, ElkPort } from "elkjs/lib/elk-api.js";
 import { layoutWorker } from "./early.ts";
+import type { Answer, Asked, Placed } from "./elk.ts";
 import type { Line } from "./lines.ts";
 import type { Component, Connection, Location, Port } from "./protocol/Ui.ts";
 import { CLEAR, isClear } from "./routes.ts";
 import type { Rectangle } from "./routes.ts";
 import { t } from "./texts.ts";
+import { token } from "./token.ts";
 
 const HEADER = 46;
 /** A port has its name, and below it its type. */
@@ -273,7 +274,7 @@ function nested(boxes: (ElkNode & { group: string })[]): { children: ElkNode[]; 
 }
 
 let engine: Engine | undefined;
-type Engine = { layout: (graph: ElkNode) => Promise<ElkNode> };
+type Engine = { layout: (graph: ElkNode) => Promise<Placed> };
 
 /** The layout in a worker, so that it loads while the page does, and the page goes on while it places boxes. */
 export function layouter(): Engine {
@@ -281,13 +282,22 @@ export function layouter(): Engine {
   let fail: (reason: Error) => void;
   const failed = new Promise<never>((_, reject) => (fail = reject));
   failed.catch(() => (engine = undefined));
-  const workerFactory = () => {
-    const worker = layoutWorker();
-    worker.onerror = (e) => fail(new Error(e.message || t("its worker has ended")));
-    return worker;
+  const worker = layoutWorker();
+  worker.onerror = (e) => {
+    worker.terminate();
+    fail(new Error(e.message || t("its worker has ended")));
   };
-  const elk = new ELK({ workerFactory, algorithms: ["layered"] });
-  return (engine = { layout: (graph) => Promise.race([elk.layout(graph), failed]) });
+  const answered = (graph: ElkNode) =>
+    new Promise<Placed>((resolve, reject) => {
+      const { port1, port2 } = new MessageChannel();
+      port1.onmessage = ({ data }: MessageEvent<Answer>) => {
+        port1.close();
+        if ("placed" in data) resolve(data.placed);
+        else reject(new Error(data.error));
+      };
+      worker.postMessage({ graph, token: token() } satisfies Asked, [port2]);
+    });
+  return (engine = { layout: (graph) => Promise.race([answered(graph), failed]) });
 }
 
 /** Connections above which the layout tries one order of the boxes, and breaks circles where the file does: half the time, and fewer crossings. */
@@ -326,21 +336,11 @@ async function proportioned(components: readonly Component[], connections: reado
         targets: [entry(each.target.instance, each.target.port)],
       })),
   };
-  const placed = await layouter().layout(graph);
-  const corners = (placed.edges ?? []).map(({ id, sections = [] }) => {
-    const points = sections.flatMap((each) => [each.startPoint, ...(each.bendPoints ?? []), each.endPoint]);
-    return [id, points] as const;
-  });
-  const of = (node: ElkNode, x = 0, y = 0): (readonly [string, Point])[] =>
-    (node.children ?? []).flatMap((each) => {
-      const at = { x: x + (each.x ?? 0), y: y + (each.y ?? 0) };
-      return each.children?.length ? of(each, at.x, at.y) : [[each.id, at] as const];
-    });
+  const { width, height, boxes, wires } = await layouter().layout(graph);
   return {
-    places: new Map(of(placed)),
-    // Between groups, corners are relative to the nodes around them: such wires are routed on the page.
-    routes: new Map(isNested ? [] : corners),
-    end: { x: placed.width ?? 0, y: placed.height ?? 0 },
+    places: new Map(boxes.map(([name, x, y]) => [name, { x, y }])),
+    routes: new Map(wires.map(([name, corners]) => [name, corners.map(([x, y]) => ({ x, y }))])),
+    end: { x: width, y: height },
   };
 }
 

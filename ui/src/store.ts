@@ -7,6 +7,7 @@ import { TypeTable } from "./protocol/table.ts";
 import { isFull, thin } from "./series.ts";
 import { Traffic } from "./traffic.ts";
 import { language, t } from "./texts.ts";
+import { token } from "./token.ts";
 
 export interface Line {
   time: number;
@@ -76,21 +77,6 @@ export interface Page {
 
 /** The step by which one looks back, or on in a recording [s]. */
 export const STEP = 0.1;
-
-const TOKEN = "rtgen.token";
-
-/** The token of the page's address, which the address bar and the history do not keep. */
-function token(): string {
-  const given = new URLSearchParams(location.search).get("token");
-  try {
-    if (given === null) return sessionStorage.getItem(TOKEN) ?? "";
-    sessionStorage.setItem(TOKEN, given);
-  } catch {
-    return given ?? ""; // without storage, the token stays in the address
-  }
-  history.replaceState(null, "", location.pathname + location.hash);
-  return given;
-}
 
 /** The kinds of lines of the console, in words. */
 const KINDS: Readonly<Record<string, string>> = {

@@ -79,6 +79,7 @@ def served(
     """
     _require_libraries(options, console)
     options.engine.check_taken(TAKES)
+    from rtgen.ui.arrangements import of_user
     from rtgen.ui.serving import Server
     from rtgen.ui.stored_tokens import tokens_of
 
@@ -89,12 +90,18 @@ def served(
     for path in buses.values():
         BusDescriber(path)  # raises InputError before anything runs
     closing = ExitStack()
-    tokens = tokens_of(options.port) if options.port else None
+    server_of = partial(
+        Server,
+        host=_LOOPBACK,
+        port=options.port,
+        tokens=tokens_of(options.port) if options.port else None,
+        arrangements=of_user(),
+    )
     is_attached = options.attached is not None
     only_recordings = len(options.recordings) == len(options.systems) > 0
     if only_recordings and not is_attached:
         session: Session | Recorded = _recorded(options, console, buses)
-        server = Server(session, _LOOPBACK, options.port, tokens=tokens)
+        server = server_of(session)
     else:
         if is_attached:
             session = _attached(options, console, buses)
@@ -102,7 +109,7 @@ def served(
             session = _joined(options, console, buses, closing)
         else:
             session = _running(options, console, buses, closing)
-        server = Server(session, _LOOPBACK, options.port, tokens=tokens)
+        server = server_of(session)
         if options.playing:
             session.runner.submit(session.runner.play)
     # uvicorn raises a signal again after it has ended: the run must end in order, too.

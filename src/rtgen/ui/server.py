@@ -18,8 +18,9 @@ from pathlib import Path
 from typing import Any, Final
 
 from starlette.applications import Starlette
+from starlette.concurrency import run_in_threadpool
 from starlette.middleware import Middleware
-from starlette.requests import Request
+from starlette.requests import HTTPConnection, Request
 from starlette.responses import (
     FileResponse,
     HTMLResponse,
@@ -34,6 +35,7 @@ from starlette.websockets import WebSocket, WebSocketDisconnect
 from rtgen.compiler.kit.translation import ENGLISH, LANGUAGES, language
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.requests import Client, Rates
+from rtgen.ui.arrangements import MAX_OCTETS, Arrangements, is_arrangement, is_key
 from rtgen.ui.commands import Commands
 from rtgen.ui.errors import BAD_MESSAGE
 from rtgen.ui.outbox import Outbox
@@ -108,8 +110,16 @@ class Tokens:
         return None
 
 
-def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette:
-    """Return the ASGI application. The session's runner must be started."""
+def application(
+    session: Served,
+    tokens: Tokens,
+    page: Path = PAGE,
+    arrangements: Arrangements | None = None,
+) -> Starlette:
+    """Return the ASGI application. The session's runner must be started.
+
+    Without `arrangements`, each page arranges its wiring.
+    """
     commands = session if isinstance(session, Recorded) else Commands(session)
     # Compiled while the first page is on its way.
     _ENCODING[True].submit(lambda: (ui.ServerMessage.to_cdr, ui.ClientMessage.from_cdr))
@@ -117,7 +127,7 @@ def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette
     joining = Rates(JOINS, JOINS, JOINS)
 
     async def socket(websocket: WebSocket) -> None:
-        right = tokens.right(websocket.query_params.get("token", ""))
+        right = _right(websocket, tokens)
         if not right:
             await asyncio.sleep(min(joining.delay(None, 1), _LONGEST_JOIN))
         offered = websocket.scope.get("subprotocols", ())
@@ -144,9 +154,19 @@ def application(session: Served, tokens: Tokens, page: Path = PAGE) -> Starlette
         Route("/", _index(page)),
         Route("/assets/{path:path}", _file(page, lambda r: _asset(r.path_params))),
         Route("/texts/{language}.json", _texts),
+        Route(
+            "/arrangements/{key}",
+            _arrangement(tokens, arrangements),
+            methods=["GET", "PUT"],
+        ),
         WebSocketRoute("/socket", socket),
     ]
     return Starlette(routes=routes, middleware=[Middleware(_Guarded)])
+
+
+def _right(request: HTTPConnection, tokens: Tokens) -> bool | None:
+    """Return the right of a request by its token."""
+    return tokens.right(request.query_params.get("token", ""))
 
 
 def is_same_origin(headers: Any) -> bool:
@@ -206,6 +226,46 @@ def _texts(request: Request) -> Response:
     from rtgen.compiler.kit.translation.catalogue import texts_of_page
 
     return JSONResponse(texts_of_page(wanted))
+
+
+def _arrangement(
+    tokens: Tokens, arrangements: Arrangements | None
+) -> Callable[[Request], Awaitable[Response]]:
+    """Return a handler for arrangements, which only pages with full rights store.
+
+    No content is the answer if there is none, since browsers report a 404 as an error.
+    """
+
+    async def serve(request: Request) -> Response:
+        key, right = request.path_params["key"], _right(request, tokens)
+        if right is None or not is_key(key):
+            return PlainTextResponse("not found", 404)
+        stores = right and arrangements is not None
+        headers = {"allow": "GET, PUT" if stores else "GET"}
+        if request.method == "PUT":
+            if arrangements is None or not stores:
+                return PlainTextResponse("not stored", 405, headers)
+            data = await _body(request, MAX_OCTETS)
+            if not is_arrangement(data):
+                return PlainTextResponse("not an arrangement", 400)
+            await run_in_threadpool(arrangements.put, key, data)
+        elif arrangements is not None:
+            stored = await run_in_threadpool(arrangements.get, key)
+            if stored is not None:
+                return Response(stored, 200, headers, "application/json")
+        return Response(None, 204, headers)
+
+    return serve
+
+
+async def _body(request: Request, limit: int) -> bytes:
+    """Return the body of a request, of a longer one the begin."""
+    data = b""
+    async for part in request.stream():
+        data += part
+        if len(data) > limit:
+            break
+    return data
 
 
 class _Guarded:

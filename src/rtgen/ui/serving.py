@@ -9,6 +9,7 @@ from pathlib import Path
 import uvicorn
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.ui.arrangements import Arrangements
 from rtgen.ui.server import MAX_MESSAGE_SIZE, PAGE, Served, Tokens, application
 
 _PATIENCE = 2
@@ -16,7 +17,7 @@ _PATIENCE = 2
 
 
 class Server:
-    """The server of a session, with new tokens by default.
+    """The server of a session, with new tokens, and without stored arrangements, by default.
 
     Raises ToolError if the port is taken.
     """
@@ -28,6 +29,7 @@ class Server:
         port: int,
         page: Path = PAGE,
         tokens: Tokens | None = None,
+        arrangements: Arrangements | None = None,
     ) -> None:
         self.tokens = tokens or Tokens()
         self._session = session
@@ -45,7 +47,7 @@ class Server:
         self.host, self.port = self._socket.getsockname()
         self._server = uvicorn.Server(
             uvicorn.Config(
-                application(session, self.tokens, page),
+                application(session, self.tokens, page, arrangements),
                 log_level="error",
                 lifespan="off",
                 ws="websockets-sansio",

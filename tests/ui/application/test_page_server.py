@@ -2,12 +2,15 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Iterator
+from pathlib import Path
 from typing import Any
 
 import pytest
 from ui_bench import GOAL, QUIET, opened, serving, until
 
+from rtgen.ui.arrangements import Arrangements
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
@@ -16,12 +19,59 @@ pytestmark = [pytest.mark.slow, pytest.mark.peer]
 ODOMETRY = "Odometry0"
 
 
+MOVED = 40.0
+"""The distance by which a box is moved in the arrangement that the first page has stored [px]."""
+
+
 @pytest.fixture(scope="module")
-def looking(browser: Any, server: Server) -> Iterator[Any]:
-    """Yield a page whose token is read-only."""
-    with opened(browser, server.address(full=False)) as page:
-        page.locator(".wiring[aria-busy=false] .react-flow__node").first.wait_for()
-        yield page
+def stored(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Return the folder of arrangements of the server."""
+    return tmp_path_factory.mktemp("arrangements")
+
+
+@pytest.fixture(scope="module")
+def server(session: Session, stored: Path) -> Iterator[Server]:
+    arrangements = Arrangements(stored)
+    with serving(Server(session, "127.0.0.1", 0, arrangements=arrangements)) as server:
+        yield server
+
+
+@pytest.fixture(scope="module")
+def looking(browser: Any, server: Server, page: Any, stored: Path) -> Iterator[Any]:
+    """Yield a page whose token is read-only, opened when the arrangement is stored."""
+    until(page, lambda: bool([*stored.glob("*.json")]))
+    [file] = stored.glob("*.json")
+    arrangement = json.loads(file.read_bytes())
+    for box in arrangement["boxes"]:
+        box[2] += MOVED * (box[0] == ODOMETRY)
+    file.write_text(json.dumps(arrangement))
+    with opened(browser, server.address(full=False)) as other:
+        other.locator(".wiring[aria-busy=false] .react-flow__node").first.wait_for()
+        yield other
+
+
+PLACES = """() => Object.fromEntries([...document.querySelectorAll(".react-flow__node-component")]
+    .map(each => [each.dataset.id, new DOMMatrix(getComputedStyle(each).transform)])
+    .map(([name, { e, f }]) => [name, [e, f]]))"""
+
+
+def test_the_next_page_has_the_arrangement_of_the_first(
+    page: Any, looking: Any, stored: Path
+) -> None:
+    """It shows what is stored, and not what it would arrange: one box has been moved there."""
+    first, second = page.evaluate(PLACES), looking.evaluate(PLACES)
+    assert len(first) == len(second) > 1
+    x, y = first[ODOMETRY]
+    assert second == {**first, ODOMETRY: [x, y + MOVED]}
+    # Without exactly the boxes of the system, it is not used: this page stores its own again.
+    [file] = stored.iterdir()
+    arrangement = json.loads(file.read_bytes())
+    fewer = {**arrangement, "boxes": arrangement["boxes"][1:]}
+    file.write_text(json.dumps(fewer))
+    page.reload()
+    until(page, lambda: json.loads(file.read_bytes()) != fewer)
+    page.locator(".wiring[aria-busy=false] .react-flow__edge").first.wait_for()
+    assert page.evaluate(PLACES) == first
 
 
 def test_two_pages_are_in_step(page: Any, looking: Any, session: Session) -> None:

@@ -1,4 +1,4 @@
-"""The folder of results and answers of earlier runs."""
+"""Folders of results of earlier runs, each bounded in number and size of its files."""
 
 from __future__ import annotations
 
@@ -17,12 +17,15 @@ _STORED = re.compile(rf"{_NAME}|\.({_NAME})\.\d+")
 
 
 def folder() -> Path:
-    """Return the user's folder."""
+    """Return the user's folder of results and answers of commands."""
     return Path(user_folder()) / RUNS
 
 
 def write(place: Path, name: str, data: bytes) -> None:
-    """Write a file to a folder, unless that is read-only or another user's."""
+    """Write a file to a folder, unless that is read-only or another user's.
+
+    A name is a hash and `.json`, or that of an answer: least recently used ones are removed.
+    """
     with contextlib.suppress(OSError):
         place.mkdir(mode=0o700, parents=True, exist_ok=True)
         if not is_own(str(place), sole_writer=False):
