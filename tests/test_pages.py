@@ -31,9 +31,10 @@ from rtgen.cli import SECTIONS, application
 
 LONG = frozenset(
     {
-        *("api", "base-for-ros2", "can", "canopen", "canopen-python", "corba"),
-        *("experiments", "openrtm", "project", "recording", "reference-build"),
-        *("small", "templates", "tutorial"),
+        *("api", "bags", "base-for-ros2", "can", "canopen", "canopen-python", "corba"),
+        *("experiments", "openrtm", "profiles", "project", "recording"),
+        *("reference-build", "rtc-for-ros2", "site", "small", "tecs", "templates"),
+        "tutorial",
     }
 )
 """Pages with runs of whole systems and networks, or many commands, which other tests run, too."""

@@ -142,6 +142,7 @@ def holds_wchar(descriptor: Descriptor) -> bool:
     return descriptor == PrimitiveDescriptor("wchar")
 
 
+@pytest.mark.nightly
 def test_every_reference_type(peers: Peers) -> None:
     structs = [
         t for t in peers.ours.values() if isinstance(t._descriptor_, StructDescriptor)

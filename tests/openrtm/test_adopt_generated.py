@@ -98,6 +98,7 @@ def test_what_was_changed_wins(follower: Path, reference: Path) -> None:
     assert {c["name"]: c["default"] for c in found["configuration"]}["max_v"] == 2.0
 
 
+@pytest.mark.sampled(0)
 def test_without_its_profile_a_module_says_less(
     follower: Path, reference: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

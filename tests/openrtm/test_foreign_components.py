@@ -164,7 +164,7 @@ def test_a_foreign_component_that_is_absent(
     )
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @by_each_author
 def test_a_foreign_component_of_another_type(
     launch: Callable[..., LoggedProcess],
@@ -182,7 +182,7 @@ def test_a_foreign_component_of_another_type(
     )
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @by_each_author
 def test_a_foreign_component_without_a_parameter(
     launch: Callable[..., LoggedProcess],

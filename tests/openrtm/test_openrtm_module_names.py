@@ -57,7 +57,7 @@ def generated(folder: Path, component: str, package: str, skeletons: str) -> int
         os.chdir(before)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("component", "package", "skeletons", "module"),
     [

@@ -84,6 +84,7 @@ def test_ports_have_openrtm_s_names(reference: Path) -> None:
     assert ends["OmniTo2WD0.goal"] == "PositionInput0.positon"
 
 
+@pytest.mark.sampled(0)
 def test_a_system_saved_by_openrtm_s_tools_runs(
     reference: Path, tmp_path: Path
 ) -> None:

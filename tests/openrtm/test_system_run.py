@@ -253,6 +253,7 @@ def values(component: Any) -> dict[str, str]:
     return {v.name: v.value.value() for v in active.configuration_data}
 
 
+@pytest.mark.sampled(1)
 def test_a_system_runs(
     rtm: Any,
     manager: Any,
@@ -329,6 +330,7 @@ def test_a_system_runs(
     assert run(["check", "--target", "openrtm", "-q"]) == 0
 
 
+@pytest.mark.sampled(0)
 def test_a_component_that_others_run(
     workshop: Path,
     rtm_environment: dict[str, str],
@@ -362,6 +364,7 @@ def test_a_component_that_others_run(
         assert "Source0 ended" in stopped.stdout
 
 
+@pytest.mark.sampled(0)
 def test_a_system_that_does_not_come_up_leaves_nothing(
     workshop: Path,
     rtm_environment: dict[str, str],
@@ -406,6 +409,7 @@ def test_a_system_that_does_not_come_up_leaves_nothing(
     assert processes(folder) == []
 
 
+@pytest.mark.sampled(0)
 def test_a_component_that_fails_when_it_is_activated_is_reported(
     workshop: Path,
     rtm_environment: dict[str, str],

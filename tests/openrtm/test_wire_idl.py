@@ -57,6 +57,7 @@ def packages(
     }
 
 
+@pytest.mark.sampled(0)
 def test_types_of_devices_and_boards(packages: dict[str, Wires]) -> None:
     reference = packages["refrobots"]
     of_devices = [

@@ -112,6 +112,7 @@ def test_the_base_reaches_the_goal_of_the_reference_run() -> None:
     assert log.kinds == [BoardEventKind.DRIVING]
 
 
+@pytest.mark.sampled(0)
 def test_the_board_stops_without_its_line_and_the_run_goes_on() -> None:
     log = Log()
     trajectory: list[tuple[int, Pose]] = []
@@ -254,7 +255,7 @@ def serial(folder: Path) -> Iterator[tuple[Board, SerialLine, list[str]]]:
         yield board, line, [f"OpaqueRpcCommunication0.{text}" for text in settings]
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.waits
 @pytest.mark.slow
 @pytest.mark.parametrize("way", [tcp, serial], ids=["tcp", "pty"])

@@ -140,6 +140,7 @@ def assert_at_the_goal(system: System) -> None:
     assert abs(wrap(end.theta)) < 0.03
 
 
+@pytest.mark.nightly
 def test_drives_in_another_process_one_falls_silent_and_the_run_goes_on(
     port: int,
 ) -> None:
@@ -185,6 +186,7 @@ def values(lines: Sequence[str]) -> list[Any]:
     return [{k: v for k, v in line.items() if k != "time"} for line in found]
 
 
+@pytest.mark.nightly
 def test_a_record_of_pdo_linking_is_whole_and_replays(
     port: int, tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

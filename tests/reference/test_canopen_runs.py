@@ -112,6 +112,7 @@ class States:
         return [(time, state) for time, name, state in self.changes if name == instance]
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     ("file", "base", "nodes", "end"),
     [

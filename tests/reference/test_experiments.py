@@ -95,6 +95,7 @@ def test_two_robots_move_alike_over_18_steps() -> None:
     assert right == pytest.approx(0.0, abs=0.05)
 
 
+@pytest.mark.sampled(0)
 def test_the_follower_of_a_track_stays_on_it(chain: Experiment) -> None:
     track = chain.poses("RefHard0", 0.0, 75.0)
     follower = chain.poses("SegwayRmp0", 9.0, 75.0)
@@ -130,6 +131,7 @@ def test_both_ways_of_following_are_used(chain: Experiment) -> None:
     assert ways == {"SegwayRmp0": "track", "OmniWheel0": "distance"}
 
 
+@pytest.mark.sampled(0)
 def test_leaders_are_exchanged_twice_and_one_joystick_drives_all(
     leaders_and_all: Experiment,
 ) -> None:

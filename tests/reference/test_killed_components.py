@@ -66,6 +66,7 @@ def test_the_goal_is_reached(instance: str, seconds: int, tmp_path: Path) -> Non
         assert abs(theta - TARGET[2]) < 0.1
 
 
+@pytest.mark.sampled(0)
 def test_without_checkpoints_the_goal_is_not_reached() -> None:
     with build(profile(), goal(*TARGET)) as system:
         system.run(4 * SECOND)

@@ -30,6 +30,7 @@ def run(tmp_path_factory: pytest.TempPathFactory) -> tuple[Pose, Path]:
         return Pose(*system.observable(TRUTH)), picture
 
 
+@pytest.mark.sampled(0)
 def test_the_goal_is_reached_along_the_map(run: tuple[Pose, Path]) -> None:
     pose, _ = run
     assert hypot(pose.x - 3.4, pose.y - 7.7) < 0.05

@@ -79,6 +79,7 @@ def test_the_monitor_draws_what_was_seen(drive: tuple[Drive, Path]) -> None:
     assert "<!-- trail -->" in text
 
 
+@pytest.mark.sampled(0)
 def test_a_blocked_corridor_stops_the_base_before_contact() -> None:
     settings = [*in_room("blocked_room"), "LRFCapture_URG0.resolution=0.02"]
     built = build(profile(OBSTACLES), settings)

@@ -42,6 +42,7 @@ def test_a_restart_leads_to_the_goal(instance: str, seconds: float) -> None:
         assert away(system, "RefHardRh30.truth") < 0.05
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seconds", [0.05, 2.0])
 def test_odometry_that_begins_anew_ends_the_travel(seconds: float) -> None:
     with build(profile(), goal(*TARGET)) as system:
@@ -54,6 +55,7 @@ def test_odometry_that_begins_anew_ends_the_travel(seconds: float) -> None:
         assert system.observable("RefHardRh30.wheels") == (0.0, 0.0)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("instance", ["Odometry0", "Navigation0"])
 def test_without_position_or_waypoints_the_base_stops(instance: str) -> None:
     with build(profile(), goal(*TARGET)) as system:
@@ -85,6 +87,7 @@ def profile_truth() -> str:
     return dict(profile(LOCALIZED).properties)["rtgen.run.pose"]
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     "target",
     [pytest.param((1.3, 2.1, 0.4), marks=pytest.mark.nightly), (2.6, 1.2, -1.0)],

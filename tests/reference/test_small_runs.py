@@ -131,6 +131,7 @@ def test_every_sample_is_the_same_at_the_same_time(
     assert sum("UcodeReader0.sightings" in line for line in small) == 8
 
 
+@pytest.mark.sampled(0)
 def test_cycles_cost_no_memory(small: list[str]) -> None:
     assert small[-1] == "blocks 0"
 

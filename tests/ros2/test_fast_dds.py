@@ -165,6 +165,7 @@ def provided(stack: ExitStack, network: Any, calls: ModuleType, name: str) -> li
     return executed
 
 
+@pytest.mark.sampled(1)
 def test_a_server_on_fast_dds_is_sent_no_request(
     peer: Node, calls: ModuleType, network: Any, stack: ExitStack, warnings: Any
 ) -> None:
@@ -296,6 +297,7 @@ def test_actions(
     assert not [event for event in peer.events if event[0] == "goal"]
 
 
+@pytest.mark.sampled(1)
 def test_managed_nodes(
     peer: Node, network: Any, stack: ExitStack, warnings: Any
 ) -> None:

@@ -149,7 +149,7 @@ def test_rosbags_reads_them(tmp_path: Path) -> None:
         assert type_hash(model, struct) == store.hash_rihs01(f"lab/msg/{name}")
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.peer
 @pytest.mark.parametrize("distribution", DISTRIBUTIONS)
 def test_rosidl_reads_those_of_boards(distribution: str) -> None:

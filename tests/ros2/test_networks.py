@@ -170,6 +170,7 @@ last.close()
 """
 
 
+@pytest.mark.sampled(0)
 def test_types_of_dds_outlive_the_network_that_brought_them() -> None:
     """Cyclone DDS would look at memory that is free, and end the process."""
     script = SUCCESSORS.format(domain=DOMAIN)

@@ -33,6 +33,7 @@ DOMAIN = media.own_domain()
 TRANSFORMS = "tf2_msgs/msg/TFMessage"
 
 
+@pytest.mark.nightly
 @pytest.mark.peer
 @pytest.mark.waits
 @pytest.mark.parametrize(

@@ -230,6 +230,7 @@ def test_missed_deadlines_are_counted_and_reported(
     assert len(warnings(came)) == len(warnings(sent)) == 1
 
 
+@pytest.mark.sampled(1)
 def test_lost_liveliness_is_counted_and_reported(
     peer: Node, network: Any, messages: ModuleType, warnings: Any
 ) -> None:

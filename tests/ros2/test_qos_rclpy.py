@@ -113,6 +113,7 @@ def test_what_the_history_drops_is_counted(peer: Node, network: Node) -> None:
     until(counted)
 
 
+@pytest.mark.nightly
 def test_deadlines_and_liveliness(peer: Node, network: Node) -> None:
     came, sent = (f"/{word}_{uuid4().hex}" for word in ("came", "sent"))
     strict = Profile(deadline=50_000_000)

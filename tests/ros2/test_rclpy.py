@@ -165,6 +165,7 @@ def test_settings_of_other_networks_are_told(run: Callable[..., Any]) -> None:
     assert "[ros2] interface is not for --ros2 rclpy" in done.stderr
 
 
+@pytest.mark.nightly
 def test_dds_is_taken_where_rclpy_is_not(run: Callable[..., Any]) -> None:
     pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
     own = str(Path(sys.executable).with_name("rtgen"))

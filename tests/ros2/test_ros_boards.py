@@ -133,6 +133,7 @@ def on_loopback() -> Iterator[None]:
     network.close()
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.usefixtures("on_loopback")
 def test_a_board_is_moved_over_dds(tmp_path: Path, system: Path) -> None:
     """By [ros2] alone: the system has no component."""

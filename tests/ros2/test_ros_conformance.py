@@ -207,6 +207,7 @@ def test_every_message_both_ways(lab: Lab) -> None:
     until(returned, shown=lambda: sorted(left))
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize("lab", [*EVERY, *TOPICS_ALONE], indirect=True, ids=str)
 def test_late_nodes_get_the_last_message(lab: Lab) -> None:
     """Of a topic with the profile `map`: it keeps one message."""
@@ -524,7 +525,7 @@ def test_types_are_described(lab: Lab) -> None:
 CALLS = Path(__file__).with_name("network_calls.py")
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "beside",
     [

@@ -235,6 +235,7 @@ def module(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> str:
     return name
 
 
+@pytest.mark.nightly
 @pytest.mark.peer
 @pytest.mark.waits
 def test_a_node_of_rclpy_follows_a_run_at_ten_times_real_time(module: str) -> None:

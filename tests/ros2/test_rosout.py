@@ -163,6 +163,7 @@ def test_rosout(level: int, told: int) -> None:
     assert len([1 for topic, _ in network.sent if topic.name == "/rosout"]) == 1
 
 
+@pytest.mark.nightly
 @pytest.mark.peer
 @pytest.mark.waits
 def test_a_node_of_rclpy_reads_rosout(tmp_path: Path) -> None:

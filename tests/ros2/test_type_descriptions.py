@@ -68,7 +68,7 @@ def as_told(answer: dict[str, Any]) -> dict[str, Any]:
     }
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.peer
 @pytest.mark.waits
 @pytest.mark.parametrize("distribution", DISTRIBUTIONS)

@@ -38,6 +38,7 @@ def test_a_statement_is_on_one_line(text: str, joined: str) -> None:
     assert statements(text) == joined
 
 
+@pytest.mark.sampled(0)
 def test_what_fit_splits_is_joined_again() -> None:
     count = 0
     for file in sorted(GENERATED.rglob("*.py")):

@@ -300,6 +300,7 @@ def models(draw: st.DrawFn) -> Model:
     return Model(files=(file, main), declarations=(data, service, item))
 
 
+@pytest.mark.nightly
 @settings(max_examples=60, deadline=None)
 @given(models())
 @pytest.mark.peer

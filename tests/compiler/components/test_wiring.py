@@ -450,6 +450,7 @@ places = st.dictionaries(
 )
 
 
+@pytest.mark.sampled(0)
 @given(wires, places)
 def test_nothing_covers_anything(
     joined: list[Wire], located: dict[str, tuple[int, int]]

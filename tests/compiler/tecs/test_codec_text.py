@@ -57,6 +57,7 @@ def packages() -> Iterator[tuple[str, dict[str, str]]]:
         yield f"random{seed}", modules(found.unit, found.signature)
 
 
+@pytest.mark.nightly
 @pytest.mark.peer
 def test_text_is_in_the_form_of_black() -> None:
     for name, files in packages():
@@ -72,6 +73,7 @@ def test_a_file_without_structs_and_constants_has_an_empty_module() -> None:
     assert text.endswith('.cdl."""\n\nfrom __future__ import annotations\n')
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "checker", ["mypy", pytest.param("pyright", marks=pytest.mark.nightly)]

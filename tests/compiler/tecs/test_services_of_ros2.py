@@ -250,7 +250,7 @@ def test_hashes_of_drawn_signatures() -> None:
     assert compared > 20
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.peer
 @pytest.mark.parametrize("distribution", DISTRIBUTIONS)
 def test_hashes_of_rosidl(distribution: str, tmp_path: Path) -> None:

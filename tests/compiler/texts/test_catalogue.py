@@ -176,6 +176,7 @@ def _shown() -> Iterator[tuple[Path, str, str]]:
                 yield file, code, related[1]
 
 
+@pytest.mark.nightly
 def test_what_the_golden_cases_show_is_said_in_japanese() -> None:
     """Of all codes, also of those whose pages for `rtgen explain` are English."""
     english = {}

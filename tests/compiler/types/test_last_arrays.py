@@ -88,6 +88,7 @@ def frequent_switches() -> Iterator[None]:
     sys.setswitchinterval(interval)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.usefixtures("frequent_switches")
 @pytest.mark.parametrize("little", [False, True])
 def test_threads_get_arrays_of_their_own(scan: Any, little: bool) -> None:

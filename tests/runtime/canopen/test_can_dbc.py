@@ -372,6 +372,7 @@ def test_pdos_of_example_buses(known: Written) -> None:
     assert compared(known, Random(1), 5)
 
 
+@pytest.mark.sampled(1)
 def test_sdo_messages_of_every_object(known: Written) -> None:
     """An expedited message has name, verb and value; an abort has its text."""
     node = next(iter(known.index.nodes.values()))
@@ -453,6 +454,7 @@ def test_statusword_has_the_words_of_the_monitor() -> None:
         )
 
 
+@pytest.mark.sampled(0)
 def test_nodes_senders_receivers_and_periods() -> None:
     of = described(SPECS / "rh3_beego.toml")
     assert {node.name for node in of.cantools.nodes} == {"left", "right", "manager"}

@@ -116,6 +116,7 @@ def test_a_record_of_a_network_shows_what_was_live(
     assert live[-1]["text"].startswith("read answer 1018:2 Product_code = 0x")
 
 
+@pytest.mark.sampled(0)
 def test_the_end_of_the_hub_is_reported(tmp_path: Path) -> None:
     path = tmp_path / "run.blf"
     with HubProcess() as hub, started("record", str(path), *access(hub)) as recorder:

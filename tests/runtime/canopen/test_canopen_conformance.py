@@ -176,6 +176,7 @@ def test_a_node_is_left_in_pre_operational_after_sigterm(at: int) -> None:
     assert node.get(0x1017) == DeviceNode(description(eds), ID).get(0x1017)
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.waits
 def test_a_component_in_real_time_conforms(capfd: pytest.CaptureFixture[str]) -> None:
     """The states of a component follow its node's within a tick, and commands are faster.

@@ -134,7 +134,7 @@ def boot(kind: str, place: int) -> tuple[Bench, BootFault]:
     return bench, fault
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", ["lost", "doubled", "late", "corrupted", "reset"])
 def test_a_fault_at_each_frame_of_a_boot(kind: str) -> None:
     bench, fault = boot(kind, 0)

@@ -173,6 +173,7 @@ def test_gaps_are_not_read(data: st.DataObject) -> None:
     assert decode(noisy.to_bytes((at + 7) // 8, "little")) == tuple(values)
 
 
+@pytest.mark.nightly
 @pytest.mark.peer
 @QUICK
 @given(st.data())

@@ -228,7 +228,7 @@ def _answering(name: str) -> str:
     return re.sub("^O2", "O3", name)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.random
 @pytest.mark.parametrize("name", ["Plain", "Single"])
 def test_pdos_of_any_octets(

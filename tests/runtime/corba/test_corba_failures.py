@@ -74,6 +74,7 @@ def test_a_process_that_is_killed_and_started_again(
     until(answered)
 
 
+@pytest.mark.sampled(0)
 def test_calls_go_on_without_the_naming_service(
     project: Path, stack: ExitStack
 ) -> None:
@@ -109,6 +110,7 @@ def test_an_instance_runs_once(
     assert here.adder.add(2, 3) == 5
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_names_that_lead_nowhere_are_replaced(
     here: Here, serving: Callable[[], Run]

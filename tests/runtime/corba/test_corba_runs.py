@@ -22,6 +22,7 @@ from rtgen.cli import run as rtgen
 pytestmark = pytest.mark.waits
 
 
+@pytest.mark.sampled(0)
 def test_simulated_time_is_the_same_by_every_transport(
     capfd: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch
 ) -> None:
@@ -78,6 +79,7 @@ def test_two_processes(start: Callable[..., Run]) -> None:
     assert "Counter0" not in caller.output
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_wheels_of_rh3_in_one_process_and_its_marshaller_in_another(
     start: Callable[..., Run],
@@ -107,6 +109,7 @@ def test_the_wheels_of_rh3_in_one_process_and_its_marshaller_in_another(
     assert "elapsed [s]" in marshaller.output
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_client_of_omniidl_stops_the_base_and_lets_it_go(
     start: Callable[..., Run], here: Here, names: str, tmp_path: Path

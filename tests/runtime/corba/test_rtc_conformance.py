@@ -326,6 +326,7 @@ def test_wrong_arguments(
     assert text in capfd.readouterr().err
 
 
+@pytest.mark.sampled(0)
 def test_components_of_rh3(
     start: Callable[..., Run],
     names: str,

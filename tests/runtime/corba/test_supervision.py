@@ -101,6 +101,7 @@ def test_each_process_that_dies_is_started_again_and_the_run_goes_on(
     assert re.search(r"Caller0 \| Caller0 +ACTIVE", run.text)
 
 
+@pytest.mark.sampled(0)
 def test_a_process_that_is_not_started_again(
     supervised: Callable[..., Supervised], folder: Path
 ) -> None:

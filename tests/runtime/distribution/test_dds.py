@@ -511,6 +511,7 @@ def test_a_process_cannot_keep_a_shorter_lease_than_its_own(
     made.publisher(topic, qos).close()
 
 
+@pytest.mark.sampled(0)
 def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
     stack: ExitStack, tmp_path: Path, partition: str
 ) -> None:

@@ -50,7 +50,7 @@ def interrupted(run: Run, text: str, number: signal.Signals) -> tuple[int, str, 
         run.kill()
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_run_is_interrupted(
     transport: list[str], number: signal.Signals, tmp_path: Path

@@ -200,6 +200,7 @@ def test_silence_between_requests_is_allowed() -> None:
             threading.Event().wait(SHORT)
 
 
+@pytest.mark.sampled(0)
 def test_a_client_that_does_not_read_its_replies() -> None:
     board = Board()
     with serving(board, SHORT) as server:

@@ -172,7 +172,7 @@ def test_a_process_stands_still_is_killed_and_is_started_again(mortal: Mortal) -
     mortal.flows()
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 def test_a_process_that_dies_at_any_step_of_its_start_is_followed_by_another(
     mortal: Mortal,
 ) -> None:

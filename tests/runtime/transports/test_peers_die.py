@@ -82,7 +82,7 @@ def start(engine: media.Engine) -> Iterator[Callable[..., Peer]]:
         yield started
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_a_publisher_is_killed_and_comes_again(
     join: Join, start: Callable[..., Peer]
 ) -> None:
@@ -159,7 +159,7 @@ def test_a_server_is_frozen_during_a_call_and_goes_on(
     assert until(partial(_again, client)) == b"request"
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 def test_a_server_is_killed_before_during_and_after_a_call(
     join: Join, start: Callable[..., Peer]
 ) -> None:

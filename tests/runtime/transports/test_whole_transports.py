@@ -78,6 +78,7 @@ def test_samples_arrive_in_order(pair: Pair) -> None:
     assert found == [*range(100)]
 
 
+@pytest.mark.sampled(2)
 def test_full_buffers_keep_what_their_policy_says(pair: Pair) -> None:
     for number in range(5):
         pair.write("few", number)

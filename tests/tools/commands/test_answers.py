@@ -307,6 +307,7 @@ def test_a_time_alone_is_stored(
     assert not read
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("form", ["text", "json", "sarif", "github"])
 def test_lint_prints_the_same_with_and_without_cache(
     project: Path,
@@ -450,6 +451,7 @@ for event, path in sorted(asked):
 """Prints what a command asks of the disk below the working folder without noting a look."""
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("command", [CHECK, LINT])
 @pytest.mark.parametrize("fault", ["", "idl/heating.idl", "rtgen.toml"])
 def test_all_that_a_command_looks_at_is_noted(

@@ -73,7 +73,7 @@ def printed(capfd: pytest.CaptureFixture[str], *words: str) -> tuple[Any, Any]:
     return json.loads(out) if out else None, json.loads(err)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "paths",
     [

@@ -320,6 +320,7 @@ def test_values_have_units() -> None:
     assert values[2].endswith(" |   |")
 
 
+@pytest.mark.sampled(0)
 def test_the_same_definitions_give_the_same_files(
     reference: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -36,6 +36,7 @@ def plain(path: str, text: str) -> str:
     return ast.unparse(ast.parse(text)) if path.endswith(".py") else text
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     "target",
     [

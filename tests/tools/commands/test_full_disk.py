@@ -98,7 +98,7 @@ def test_a_read_only_disk(small: Callable[[str], None], tmp_path: Path) -> None:
     assert "rtgen-new" in rtgen("new", "project", "x", folder=folder)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @needs_dev_full
 @pytest.mark.parametrize("option", ["--csv", "--log", "--record"])
 def test_results_of_a_run_that_find_no_room(option: str, tmp_path: Path) -> None:

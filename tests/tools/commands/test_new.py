@@ -91,6 +91,7 @@ def test_the_reference_pipeline_is_whole(monkeypatch: pytest.MonkeyPatch) -> Non
     check_it_is_whole(project, project / "generated")
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_back_end_is_whole_and_works_once_installed(
     work: Path, monkeypatch: pytest.MonkeyPatch

@@ -87,6 +87,7 @@ def test_the_same_bytes_whatever_locale_hash_seed_and_folder(tmp_path: Path) -> 
     }
 
 
+@pytest.mark.sampled(0)
 def test_no_file_says_where_or_when_it_was_made(built: Path) -> None:
     for name, data in tree(built).items():
         assert str(built.parent).encode() not in data, name

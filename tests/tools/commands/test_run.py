@@ -407,6 +407,7 @@ def test_what_was_initialized_is_finalized_if_the_rest_fails(
     assert capfd.readouterr().err.count("finalized.") == 1
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("clock", ["sim", "real"])
 @pytest.mark.parametrize("quiet", [[], ["-q"]])
 def test_a_run_ends_when_nobody_reads_what_its_components_print(
@@ -552,6 +553,7 @@ def interrupted(number: signal.Signals, *arguments: str) -> tuple[int, str, str]
     return process.returncode, out, err
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("clock", ["sim", "real"])
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 @pytest.mark.parametrize(

@@ -55,6 +55,7 @@ def test_graph(tmp_path: Path, capfdbinary: pytest.CaptureFixture[bytes]) -> Non
     assert file.read_bytes() == picture
 
 
+@pytest.mark.sampled(0)
 def test_graph_into_a_folder_that_is_not_there(tmp_path: Path) -> None:
     picture = tmp_path / "new" / "folder" / "x.svg"
     assert run(["graph", str(SYSTEM), "-o", str(picture)]) == 0

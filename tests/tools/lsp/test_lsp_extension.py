@@ -382,6 +382,7 @@ def test_commands_run_rtgen_in_the_project_of_the_file(
     assert task["cwd"] == str(workspace / project)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.peer
 @pytest.mark.parametrize(
     ("editor", "code"),
@@ -400,6 +401,7 @@ def test_a_code_is_explained(
     assert code in page["content"]
 
 
+@pytest.mark.nightly
 @pytest.mark.peer
 def test_an_unknown_code_is_told() -> None:
     found = activated(*SERVER, run=["rtgen.explain"], written="IDL9999")["asked"]

@@ -31,6 +31,7 @@ def _without_automatic_collections() -> Iterator[None]:
         gc.enable()
 
 
+@pytest.mark.sampled(0)
 def test_edits_leave_nothing_behind(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

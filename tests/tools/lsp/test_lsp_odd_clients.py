@@ -205,6 +205,7 @@ def odd_session(folder: Path) -> Script:
     return script
 
 
+@pytest.mark.sampled(0)
 def test_odd_clients(tmp_path: Path) -> None:
     script = odd_session(tmp_path)
     received, log = script.run(tmp_path)

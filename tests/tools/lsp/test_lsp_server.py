@@ -142,6 +142,7 @@ def test_a_session(tmp_path: Path) -> None:
     in_session(tmp_path, use)
 
 
+@pytest.mark.sampled(0)
 def test_a_client_that_counts_octets(tmp_path: Path) -> None:
     paths = project(tmp_path)
 

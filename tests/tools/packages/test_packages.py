@@ -70,7 +70,7 @@ def modules_of(package: Path) -> list[str]:
     return [".".join(p[:-1] if p[-1] == "__init__" else p) for p in parts]
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", INCLUDE)
 def test_modules_import_in_any_order(sets: dict[str, Path], name: str) -> None:
     package = sets[name]

@@ -315,6 +315,7 @@ def test_chunks_whose_size_is_a_lie_are_damaged(tmp_path: Path) -> None:
     assert file.damaged == 2
 
 
+@pytest.mark.sampled(0)
 def test_a_recording_that_compresses_well_is_read(tmp_path: Path) -> None:
     """Images that are black for a minute, with the numbers and times of messages."""
     path = tmp_path / "a.mcap"

@@ -46,7 +46,6 @@ def lines(file: Path, capsys: pytest.CaptureFixture[str]) -> list[dict[str, obje
 
 @pytest.mark.nightly
 @pytest.mark.peer
-@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("transport", "module"), [("dds", "cyclonedds"), ("zenoh", "zenoh")]
 )
@@ -89,6 +88,7 @@ def test_a_server_records_other_processes_until_it_is_interrupted(
     assert times == sorted(times)
 
 
+@pytest.mark.sampled(0)
 def test_a_run_is_recorded_from_the_time_of_attaching(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

@@ -489,6 +489,7 @@ def test_a_system_without_such_sockets_is_told(
     assert "--transport zenoh" in error
 
 
+@pytest.mark.sampled(0)
 def test_a_page_survives_a_flood_and_says_so(page: Watching, run: Running) -> None:
     """The run waits for nobody, and states and commands come through."""
     frame = BusFrame("can0", 0x181, bytes(8), remote=False, extended=False)

@@ -68,6 +68,7 @@ def test_calls_to_its_boards() -> None:
         assert drive.instance == "OpaqueRpcCommunication0"
 
 
+@pytest.mark.sampled(0)
 def test_its_timeline_and_the_times_of_its_states() -> None:
     with (
         running(str(LEADERS), *PACED) as program,

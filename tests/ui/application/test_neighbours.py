@@ -348,6 +348,7 @@ def test_they_are_saved_with_the_system_and_restored(
         other.session.close()
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.waits
 def test_a_peer_that_is_frozen_or_dead_says_so_and_blocks_nothing(

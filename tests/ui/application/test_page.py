@@ -39,6 +39,7 @@ def test_states_by_mouse(page: Any, session: Session) -> None:
     activate_all(page, session)
 
 
+@pytest.mark.nightly
 def test_states_by_keyboard(page: Any, session: Session) -> None:
     box = page.get_by_label(f"{ODOMETRY}, Odometry, ACTIVE")
 
@@ -278,6 +279,7 @@ def test_values_and_configuration(page: Any, session: Session) -> None:
     until(page, lambda: text() == "0.25")
 
 
+@pytest.mark.nightly
 def test_time_by_keyboard(page: Any, session: Session) -> None:
     page.get_by_role("button", name="Pause").press("Enter")
     until(page, lambda: not session.time().playing)

@@ -31,6 +31,7 @@ def bus(page: Any) -> Any:
     return page
 
 
+@pytest.mark.nightly
 def test_the_bus_is_a_line_below_the_boxes(bus: Any, session: Session) -> None:
     line = bus.get_by_role("region", name="Bus can0")
     names = ["front_left", "front_right", "rear_left", "rear_right", "manager"]
@@ -81,7 +82,7 @@ FILTERS = {
 }
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.nightly
 @pytest.mark.parametrize(("text", "kinds"), FILTERS.items(), ids=range(len(FILTERS)))
 def test_filters_are_a_language(bus: Any, text: str, kinds: set[str]) -> None:
     # Rows of all identifiers do not depend on what came last.
@@ -100,7 +101,7 @@ def test_filters_are_a_language(bus: Any, text: str, kinds: set[str]) -> None:
     counted.click()
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("text", ["(tpdo1", "id:xyz", "a | ", "!", "node>1-2", ")"])
 def test_a_filter_that_is_wrong_says_why(bus: Any, text: str) -> None:
     filled = bus.get_by_label("Filter", exact=True)
@@ -111,6 +112,7 @@ def test_a_filter_that_is_wrong_says_why(bus: Any, text: str) -> None:
     bus.locator("input[aria-invalid=true]").wait_for(state="detached")
 
 
+@pytest.mark.nightly
 def test_values_of_frames_have_few_digits_and_titles_the_others(bus: Any) -> None:
     field = bus.get_by_role("searchbox", name="Filter", exact=True)
     field.fill("tpdo2")
@@ -126,6 +128,7 @@ def test_values_of_frames_have_few_digits_and_titles_the_others(bus: Any) -> Non
     field.fill("")
 
 
+@pytest.mark.nightly
 def test_identifiers_have_a_row_each_with_what_changes(bus: Any) -> None:
     bus.get_by_role("button", name="By identifier").click()
     frames = bus.get_by_role("table", name="Frames")
@@ -153,6 +156,7 @@ def test_identifiers_have_a_row_each_with_what_changes(bus: Any) -> None:
     bus.get_by_role("button", name="By identifier").press("Enter")
 
 
+@pytest.mark.nightly
 @by_both_hands
 def test_frames_are_cleared(bus: Any, press: Callable[[Any], None]) -> None:
     bus.get_by_role("button", name="Pause", exact=True).click()
@@ -182,6 +186,7 @@ def test_frames_are_held(
     until(bus, lambda: float(newest.inner_text()) > now)
 
 
+@pytest.mark.nightly
 @by_both_hands
 def test_signals_are_plotted(bus: Any, press: Callable[[Any], None]) -> None:
     region = bus.get_by_role("region", name="Signals")
@@ -202,6 +207,7 @@ def test_signals_are_plotted(bus: Any, press: Callable[[Any], None]) -> None:
     region.get_by_label("Find a signal").fill("")
 
 
+@pytest.mark.nightly
 @by_both_hands
 def test_nodes_are_stopped_and_started(
     bus: Any, session: Session, press: Callable[[Any], None]
@@ -222,6 +228,7 @@ def test_nodes_are_stopped_and_started(
     until(bus, lambda: state() == "operational")
 
 
+@pytest.mark.nightly
 @by_both_hands
 def test_objects_are_read_and_written(bus: Any, press: Callable[[Any], None]) -> None:
     region = bus.get_by_role("region", name="Object dictionary")

@@ -10,7 +10,7 @@ from ui_bench import by_keyboard, choose, open_menu, until
 
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 ENDS = ("RefHardRh30.OutWheelAngle", "Odometry0.CurrentWheelAngle")
 
 

@@ -64,6 +64,7 @@ def zoomed(page: Any) -> tuple[float, float] | None:
     return None if found is None else (float(found[1]), float(found[2]))
 
 
+@pytest.mark.nightly
 def test_a_drag_zooms_and_a_double_click_shows_all(page: Any, pose: Any) -> None:
     whole = cells(pose)
     [stamp] = pose.get_by_role("table", name=f"Texts of {POSE}").locator("tr").all()
@@ -105,6 +106,7 @@ def test_keys_zoom_and_move_the_cursor(page: Any, pose: Any) -> None:
     until(page, lambda: at.inner_text() == "")
 
 
+@pytest.mark.nightly
 def test_the_table_has_the_values_at_the_cursor(page: Any, pose: Any) -> None:
     page.mouse.move(5, 5)  # where the test before has left it may be a plot
     cursor = pose.get_by_role("status", name="Time at the cursor")
@@ -174,6 +176,7 @@ def test_several_ports_share_a_plot(
     region.wait_for(state="detached")
 
 
+@pytest.mark.nightly
 def test_curves_are_saved(page: Any, pose: Any, tmp_path: Path) -> None:
     with page.expect_download() as found:
         pose.get_by_role("button", name="as CSV").click()

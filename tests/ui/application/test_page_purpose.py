@@ -14,7 +14,7 @@ from rtgen.runtime import SimulatedClock
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 
 KITCHEN = """#include "BasicDataType.idl"
 @rtc(category="Kitchen", vendor="me")

@@ -16,7 +16,7 @@ from rtgen.runtime import SimulatedClock
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 FOLDER = "systems_of_the_robots_with_two_wheels_in_the_northern_building"
 
 

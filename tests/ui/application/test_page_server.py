@@ -15,7 +15,7 @@ from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 ODOMETRY = "Odometry0"
 
 

@@ -37,6 +37,7 @@ def test_a_function_is_called_and_its_octets_shown(services: Any) -> None:
     assert "name = RH3 motor board, simulated" in text
 
 
+@pytest.mark.nightly
 def test_arguments_and_results_stay_while_another_view_is_shown(services: Any) -> None:
     fields = services.get_by_role("form", name="setLimits").get_by_role("textbox")
     before = fields.nth(1).input_value()
@@ -65,6 +66,7 @@ def test_a_hundred_calls_are_a_histogram(services: Any) -> None:
     times.fill("1")
 
 
+@pytest.mark.nightly
 def test_arguments_are_checked_before_they_are_sent(services: Any) -> None:
     form = services.get_by_role("form", name="setLimits")
     fields = form.get_by_role("textbox")
@@ -83,6 +85,7 @@ def test_arguments_are_checked_before_they_are_sent(services: Any) -> None:
     result.get_by_text("40 24 00 00 00 00 00 00 40 49 00 00").wait_for()
 
 
+@pytest.mark.nightly
 def test_round_trips_are_a_histogram(services: Any) -> None:
     services.get_by_role("tab", name="Boards").focus()
     services.keyboard.press("Enter")

@@ -15,7 +15,7 @@ from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
 PHONE, TABLET = (390, 844), (820, 1180)
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 LEGIBLE = 9
 """The least size of the letters of a name [px]."""
 
@@ -80,7 +80,6 @@ BOXES = """() => {
 }"""
 
 
-@pytest.mark.nightly
 def test_the_whole_wiring_is_seen_at_first(page: Any, session: Session) -> None:
     def fits() -> bool:
         (left, top, right, bottom), boxes, names = page.evaluate(BOXES)
@@ -153,7 +152,6 @@ def test_ports_are_joined_by_touch(page: Any, session: Session) -> None:
     show(page, "Wiring")
 
 
-@pytest.mark.nightly
 def test_the_stick_is_reached_and_pulled(page: Any, session: Session) -> None:
     show(page, "Drive")
     page.get_by_label("Driven port").select_option("RefHardRh30.InTargetVelocity")
@@ -175,7 +173,6 @@ def test_the_stick_is_reached_and_pulled(page: Any, session: Session) -> None:
     show(page, "Wiring")
 
 
-@pytest.mark.nightly
 def test_time_is_set_and_files_are_reached(page: Any, session: Session) -> None:
     show(page, "Time")
     page.get_by_label("Go to time in seconds").fill("1.5")

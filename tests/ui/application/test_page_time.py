@@ -13,7 +13,7 @@ from ui_bench import select, until
 
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 
 
 def shown(page: Any) -> float:
@@ -117,7 +117,6 @@ def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
     )
 
 
-@pytest.mark.nightly
 def test_plots_say_what_is_left_out(
     page: Any, session: Session, tmp_path: Path
 ) -> None:

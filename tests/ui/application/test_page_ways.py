@@ -248,6 +248,7 @@ def test_components_are_filtered_and_dragged_to_their_place(
     palette.wait_for(state="detached")
 
 
+@pytest.mark.nightly
 @by_both_hands
 def test_a_rename_shows_what_changes_before_it_does(
     page: Any, session: Session, folder: Path, press: Callable[[Any], None]
@@ -350,6 +351,7 @@ def test_a_small_map_shows_the_whole_wiring(page: Any) -> None:
     whole.wait_for(state="detached")
 
 
+@pytest.mark.nightly
 def test_a_page_has_no_flaw_for_axe(page: Any) -> None:
     for width, scheme in ((1440, "light"), (1024, "dark")):
         page.set_viewport_size({"width": width, "height": 900})

@@ -22,7 +22,7 @@ from ui_bench import (
 from rtgen.ui.serving import Server
 from rtgen.ui.session import Session
 
-pytestmark = [pytest.mark.slow, pytest.mark.peer]
+pytestmark = [pytest.mark.slow, pytest.mark.peer, pytest.mark.nightly]
 
 
 @pytest.fixture(scope="module")
@@ -69,7 +69,6 @@ PRESETS = {
 }
 
 
-@pytest.mark.nightly
 @by_both_hands
 def test_presets_arrange_the_panes(panes: Any, press: Callable[[Any], None]) -> None:
     for name in (*PRESETS, "Wire"):
@@ -150,7 +149,6 @@ def test_a_tab_is_dragged_to_a_pane_of_its_own(panes: Any) -> None:
     assert map_of["y"] > panes.locator(".wiring").bounding_box()["y"] + 100
 
 
-@pytest.mark.nightly
 def test_panes_are_resized_and_remembered(panes: Any) -> None:
     grip = panes.get_by_role("separator", name="Width of the panes")
     wiring = panes.locator(".wiring")
@@ -197,7 +195,6 @@ def test_an_address_shows_the_same_elsewhere(
             other.locator(".wiring .react-flow__node").first.wait_for()
 
 
-@pytest.mark.nightly
 def test_views_beside_each_other_all_get_their_samples(
     panes: Any, session: Session
 ) -> None:

@@ -48,6 +48,7 @@ def read(path: Path) -> System:
     return found.system
 
 
+@pytest.mark.sampled(0)
 def test_what_a_timeline_has_connected_is_not_saved(bench: Bench, folder: Path) -> None:
     page = bench.page()
     before = (folder / "system.xml").read_text()
@@ -445,6 +446,7 @@ BLOCK = re.compile(
 )
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.random
 @pytest.mark.parametrize("number", cases(3))
 def test_random_edits_during_a_run_with_a_timeline(

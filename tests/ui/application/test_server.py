@@ -264,6 +264,7 @@ def test_texts_and_messages_that_are_too_long_are_refused(
     assert "Traceback" not in capfd.readouterr().err
 
 
+@pytest.mark.sampled(0)
 def test_a_page_that_floods_waits_for_the_others(served: Server) -> None:
     tokens = served.tokens
     ends = ui.Command.of_ends(ui.PortAddress("Odometry0", "OdometryPosition"))
