@@ -24,7 +24,7 @@ from rtgen.compiler.diagnostics.report import FORMS, report
 from rtgen.compiler.frontends import FrontendResult
 from rtgen.compiler.frontends.idl import load
 from rtgen.compiler.frontends.idl.rules import RULES
-from rtgen.compiler.frontends.kit import characters
+from rtgen.compiler.frontends.kit import character_rules
 from rtgen.compiler.inspection.models import inspect, tree
 from rtgen.compiler.lint import lint
 from rtgen.compiler.lint import rules as lint_rules
@@ -56,7 +56,9 @@ CHECK_INTERVALS = {
 _MARKER = re.compile(
     rb"line|#(?:[^\"\w/]|/(?!\*)|/\*(?:[^*]|\*(?!/))*\*/)*\d", re.DOTALL
 )
-_CODES = {rule.code: rule for rule in (*RULES, *lint_rules.RULES, *characters.RULES)}
+_CODES = {
+    rule.code: rule for rule in (*RULES, *lint_rules.RULES, *character_rules.RULES)
+}
 _ON_DEMAND = [rule.code for rule in lint_rules.ON_DEMAND]
 
 

@@ -17,8 +17,13 @@ from rtgen.compiler.backends.profiles.rtc_profile import profile_text
 from rtgen.compiler.diagnostics import Diagnostic, InputError, has_errors
 from rtgen.compiler.diagnostics.report import report
 from rtgen.compiler.frontends import idl
-from rtgen.compiler.frontends.kit import characters, located_xml
-from rtgen.compiler.frontends.profiles import profile_yaml, rtc_profile, rts_profile
+from rtgen.compiler.frontends.kit import character_rules, located_xml, xml_rules
+from rtgen.compiler.frontends.profiles import (
+    profile_yaml,
+    rtc_profile,
+    rts_profile,
+    rules,
+)
 from rtgen.compiler.inspection.models import inspect
 from rtgen.compiler.lowering.profiles.lower import lower
 from rtgen.compiler.lowering.settings import Settings
@@ -30,7 +35,7 @@ ROOT = Path(__file__).parents[2]
 CASES = ROOT / "tests/golden"
 
 _CODES = {
-    r.code for r in (*RULES, *located_xml.RULES, *profile_yaml.RULES, *characters.RULES)
+    r.code for r in (*RULES, *xml_rules.RULES, *rules.RULES, *character_rules.RULES)
 }
 _OPTIONS = Options(package="fuzzed", skeleton_package="", version="0")
 _MAX_CHARACTERS = 200_000

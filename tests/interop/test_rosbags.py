@@ -22,7 +22,7 @@ from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 from seeds import cases
 
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.kit.resources import ros_file, ros_interfaces
 from rtgen.compiler.layouts.ros_types import type_hash, type_name
 from rtgen.compiler.model import (

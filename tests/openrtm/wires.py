@@ -24,7 +24,7 @@ from padding import masked as masked
 from padding import padding as padding
 
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.diagnostics import has_errors
 from rtgen.compiler.frontends.idl import load
 from rtgen.compiler.lowering.numeric import lower

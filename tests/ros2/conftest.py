@@ -9,7 +9,7 @@ from types import ModuleType
 import pytest
 
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.kit.resources import ros_file
 from rtgen.ros2.rosidl import load
 

@@ -12,7 +12,7 @@ import pytest
 from ros2_peers import DISTRIBUTIONS, Installation, installation
 
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.kit.resources import ros_file
 from rtgen.compiler.model import Struct
 from rtgen.ros2.rosidl import load

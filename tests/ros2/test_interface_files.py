@@ -14,7 +14,7 @@ from rtgen.cli import run
 from rtgen.compiler.backends import Options
 from rtgen.compiler.layouts.ros_types import type_hash
 from rtgen.compiler.model import Struct
-from rtgen.ros2.backend import BACKEND
+from rtgen.ros2.backend.backend import BACKEND
 from rtgen.ros2.backend.literals import comment, literal
 from rtgen.ros2.backend.packages import interface_texts
 from rtgen.ros2.rosidl import load

@@ -62,7 +62,7 @@ def with_console(
         except ToolError as error:
             if os.environ.get("RTGEN_DEBUG") == "1":
                 raise
-            from rtgen.compiler.project.rules import ENVIRONMENT
+            from rtgen.compiler.project_rules import ENVIRONMENT
 
             console.findings([ENVIRONMENT.at(None, error.message, hint=error.hint)])
             return FAILED
@@ -101,7 +101,7 @@ def _of_file(error: OSError) -> Diagnostic | None:
     ):
         return None
     from rtgen.compiler.project import path_finding
-    from rtgen.compiler.project.rules import ENVIRONMENT
+    from rtgen.compiler.project_rules import ENVIRONMENT
 
     name = os.fsdecode(error.filename)
     if (

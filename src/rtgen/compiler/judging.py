@@ -139,7 +139,8 @@ class Judge:
 def _compared(
     connection: Connection, ends: Mapping[str, Known]
 ) -> Sequence[Diagnostic]:
-    from rtgen.compiler.systems.connections import UNKNOWN_PORT, compared
+    from rtgen.compiler.systems.connection_rules import UNKNOWN_PORT
+    from rtgen.compiler.systems.connections import compared
 
     return [d for d in compared(connection, ends) if d.code != UNKNOWN_PORT.code]
 

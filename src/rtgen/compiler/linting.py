@@ -13,8 +13,8 @@ from rtgen.compiler.lint import lint as check
 from rtgen.compiler.lint.rules import MISSPELT_UNIT, OTHER_FACTOR, UNKNOWN_UNIT
 from rtgen.compiler.lint.suppressions import FilePattern, suppressed
 from rtgen.compiler.project import Project, shown
-from rtgen.compiler.project.rules import UNKNOWN_CODE
-from rtgen.compiler.systems.checks import RULES as SYSTEM_RULES
+from rtgen.compiler.project_rules import UNKNOWN_CODE
+from rtgen.compiler.systems.connection_rules import RULES as SYSTEM_RULES
 
 _PREFIXES = ("IDL", "CDL0", "EDS", "LINT", "TXT")
 """Prefixes of the codes that `rtgen lint` reports."""

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import ToolError
-from rtgen.compiler.project.rules import NO_PAGE
+from rtgen.compiler.project_rules import NO_PAGE
 from rtgen.facts.extras import installation
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal

@@ -10,7 +10,7 @@ from rtgen.cli import run
 from rtgen.compiler.diagnostics import Severity
 from rtgen.compiler.frontends import FrontendResult
 from rtgen.compiler.frontends.cdl import load, read_text
-from rtgen.compiler.frontends.kit.characters import OCTET_OF_LITERAL
+from rtgen.compiler.frontends.kit.character_rules import OCTET_OF_LITERAL
 from rtgen.compiler.model.c_types import (
     CPointerType,
     CScalarType,

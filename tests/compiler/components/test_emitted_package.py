@@ -13,7 +13,7 @@ from type_checkers import check_by_mypy
 
 from rtgen.compiler.backends import Owner
 from rtgen.compiler.backends.components.backend import BACKEND
-from rtgen.compiler.backends.types import BACKEND as TYPES
+from rtgen.compiler.backends.types.backend import BACKEND as TYPES
 from rtgen.runtime import RTC_OK, LifeCycleState, SimulatedClock, System
 
 SOURCE = component(

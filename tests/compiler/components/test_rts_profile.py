@@ -8,8 +8,9 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from rtgen.compiler.diagnostics import Diagnostic
+from rtgen.compiler.frontends.kit import xml_rules
+from rtgen.compiler.frontends.profiles import rules
 from rtgen.compiler.frontends.profiles.rts_profile import (
-    RULES,
     SystemResult,
     load,
     load_bytes,
@@ -311,7 +312,9 @@ def test_damaged_profiles_never_raise(seed: int) -> None:
             chance.randint(0, 3)
         )
     result = load_bytes(bytes(data), "s.xml")
-    assert {d.code for d in result.diagnostics} <= {rule.code for rule in RULES}
+    assert {d.code for d in result.diagnostics} <= {
+        rule.code for rule in (*rules.RULES, *xml_rules.RULES)
+    }
 
 
 def test_real_profiles() -> None:

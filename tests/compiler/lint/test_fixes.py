@@ -8,7 +8,7 @@ import pytest
 from rtgen import api
 from rtgen.cli import run
 from rtgen.compiler.diagnostics import Edit, Span
-from rtgen.compiler.frontends.kit.characters import OCTET_OF_COMMENT
+from rtgen.compiler.frontends.kit.character_rules import OCTET_OF_COMMENT
 from rtgen.compiler.inspection.models import inspect
 from rtgen.compiler.lint.fixes import CODES, applied
 from rtgen.compiler.project.output import Change

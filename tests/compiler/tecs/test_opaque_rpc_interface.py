@@ -11,7 +11,7 @@ from typing import Any
 import pytest
 
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.frontends import idl
 from rtgen.compiler.lowering.tecs.communication import communication_model
 from rtgen.compiler.model import Component, Interface, Model, SourceFile

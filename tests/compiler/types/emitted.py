@@ -13,7 +13,7 @@ from typing import Any
 import pytest
 
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.diagnostics import has_errors
 from rtgen.compiler.frontends.idl import load
 from rtgen.compiler.lowering.numeric import lower

@@ -10,7 +10,7 @@ from seeds import cases
 
 from rtgen.compiler.backends import Artifact, Options
 from rtgen.compiler.backends.kit import rendering
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.frontends.idl import load
 
 TYPES = (

@@ -13,7 +13,7 @@ from type_checkers import check_by_mypy
 from rtgen.compiler.backends import Emission, Options
 from rtgen.compiler.backends.kit.python_text import fit
 from rtgen.compiler.backends.kit.quoting.python import docstring, string_literal
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.frontends.idl import load
 
 HERE = Path(__file__).parent

@@ -9,7 +9,7 @@ import emitted
 import pytest
 
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.frontends.idl import load
 from rtgen.compiler.layouts.cdr_types import MAX_LOOPS
 

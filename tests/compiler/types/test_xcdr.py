@@ -14,7 +14,7 @@ import pytest
 
 from rtgen.cli import run
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.frontends.idl import load
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, CdrError, field

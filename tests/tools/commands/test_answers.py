@@ -15,6 +15,7 @@ import heating_project
 import pytest
 
 from rtgen.cli import run
+from rtgen.compiler.diagnostics.explain import MODULES
 from rtgen.compiler.kit import own_files
 from rtgen.facts import looks
 from rtgen.tools.kit import answers
@@ -349,6 +350,12 @@ def test_a_page_needs_no_library(project: Path) -> None:
     modules = imported("-m", "rtgen", "explain", "IDL0200")
     assert "rtgen.tools.kit.pages" in modules
     assert not modules & {"click", "msgspec", "rich", "rtgen.cli"}
+
+
+def test_rules_are_read_without_what_reports_them() -> None:
+    modules = imported("-c", f"import {', '.join(MODULES)}")
+    assert modules >= MODULES.keys()
+    assert not modules & {"dataclasses", "msgspec", "rtgen.compiler.model"}
 
 
 @pytest.mark.parametrize("code", ["IDL0200", "idl020", ""])

@@ -10,7 +10,7 @@ import pytest
 
 from rtgen import api
 from rtgen.cli import run
-from rtgen.compiler.frontends.kit import characters
+from rtgen.compiler.frontends.kit import character_rules
 from rtgen.compiler.project import load
 from rtgen.compiler.project.kinds import is_definition
 
@@ -251,10 +251,10 @@ def test_formats_in_utf_8_are_read_with_a_warning(
     project = load()
     [doubt] = project.problems
     assert doubt.span is not None
-    assert (doubt.code, doubt.span.line) == (characters.ENCODING.code, 1)
+    assert (doubt.code, doubt.span.line) == (character_rules.ENCODING.code, 1)
     found = api.read([str(path) for path in project.sources]).diagnostics
     doubted = {
-        d.span.file for d in found if d.span and d.code == characters.ENCODING.code
+        d.span.file for d in found if d.span and d.code == character_rules.ENCODING.code
     }
     assert doubted == {"lab/msg/Speed.msg", "net.toml", "arm.yaml", "rtgen.toml"}
 
@@ -272,8 +272,8 @@ def test_a_shift_jis_file_says_what_other_programs_read(
         if d.span and d.code.startswith("TXT")
     }
     comment, literal = (
-        characters.OCTET_OF_COMMENT.code,
-        characters.OCTET_OF_LITERAL.code,
+        character_rules.OCTET_OF_COMMENT.code,
+        character_rules.OCTET_OF_LITERAL.code,
     )
     lines = {
         (comment, "lab.idl"): (3, 5, 7, 14, 15),
@@ -287,11 +287,11 @@ def test_a_shift_jis_file_says_what_other_programs_read(
         for key, numbers in lines.items()
         for line in numbers
         if key[1] != "rtgen.toml"
-    } | {(characters.ENCODING.code, "rtgen.toml", 1)}
+    } | {(character_rules.ENCODING.code, "rtgen.toml", 1)}
     write(tmp_path, "euc_jp")
     again = api.read(["lab.idl", "board.cdl"]).diagnostics
     assert {d.code for d in again if d.code.startswith("TXT")} == {
-        characters.ENCODING.code
+        character_rules.ENCODING.code
     }
 
 

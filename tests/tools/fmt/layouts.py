@@ -5,8 +5,7 @@ from __future__ import annotations
 import random
 import re
 
-from rtgen.tools.fmt import Language
-from rtgen.tools.fmt.tokens import COMMENTS, Kind, Token, tokens
+from rtgen.tools.fmt.tokens import COMMENTS, Kind, Language, Token, tokens
 
 TEXTS = {
     Language.IDL: (

@@ -2,7 +2,8 @@
 
 import pytest
 
-from rtgen.tools.fmt import Language, LexicalError, Options, edits, format_text
+from rtgen.tools.fmt import Options, edits, format_text
+from rtgen.tools.fmt.tokens import Language, LexicalError
 
 IDL = [
     ("", ""),

@@ -14,9 +14,9 @@ import pytest
 from rtgen.compiler.diagnostics import has_errors
 from rtgen.compiler.frontends import cdl, idl
 from rtgen.compiler.kit.limits import MAX_NESTING
-from rtgen.tools.fmt import Language, LexicalError, edits, format_text
+from rtgen.tools.fmt import edits, format_text
 from rtgen.tools.fmt.layout import MAX_CHARACTERS
-from rtgen.tools.fmt.tokens import MAX_TOKENS
+from rtgen.tools.fmt.tokens import MAX_TOKENS, Language, LexicalError
 
 IDL, CDL = Language.IDL, Language.CDL
 INNER = "const int32_t A = 1;\n"

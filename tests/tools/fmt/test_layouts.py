@@ -6,8 +6,8 @@ from seeds import budget, cases
 
 from rtgen import api
 from rtgen.compiler.inspection.models import inspect
-from rtgen.tools.fmt import Language, edits, format_text
-from rtgen.tools.fmt.tokens import Kind, tokens
+from rtgen.tools.fmt import edits, format_text
+from rtgen.tools.fmt.tokens import Kind, Language, tokens
 
 MILLION = 1_000_000
 NUMBERS = cases(2_000)

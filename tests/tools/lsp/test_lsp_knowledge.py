@@ -15,9 +15,9 @@ from lsprotocol.types import (
 )
 from projects import PROJECT
 
-from rtgen.tools.fmt import Language as Form
 from rtgen.tools.fmt import format_text
 from rtgen.tools.fmt.files import format_bytes
+from rtgen.tools.fmt.tokens import Language as Form
 from rtgen.tools.lsp.features.code_actions import code_actions
 from rtgen.tools.lsp.features.completion import completion
 from rtgen.tools.lsp.features.diagnostics import published

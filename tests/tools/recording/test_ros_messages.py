@@ -13,7 +13,7 @@ from mcap.reader import make_reader
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 from rtgen.compiler.backends import Options
-from rtgen.compiler.backends.types import BACKEND
+from rtgen.compiler.backends.types.backend import BACKEND
 from rtgen.compiler.kit.resources import ros_file, ros_interfaces
 from rtgen.compiler.model import Model, Struct
 from rtgen.compiler.typemap.data_classes import Types

@@ -16,7 +16,7 @@ from rtgen.cli import run
 from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.frontends.kit.memo import Memo
 from rtgen.compiler.project import load
-from rtgen.compiler.systems.connections import RULES
+from rtgen.compiler.systems.connection_rules import CONNECTIONS
 from rtgen.tools.lsp.analysis import analyse
 from rtgen.tools.lsp.documents import Documents
 from rtgen.ui.project_systems import CommandProject
@@ -135,7 +135,7 @@ CONNECTOR = """  <rts:{kind}PortConnectors rts:name="wire">
 """
 PROPERTY = '    <rtsExt:Properties rtsExt:name="{}" rtsExt:value="{}"/>\n'
 OUTPUT = '[output]\npackage = "judged_ends"\nskeletons = "src"\n'
-CODES = {rule.code for rule in RULES}
+CODES = {rule.code for rule in CONNECTIONS}
 
 Asker = Callable[[Pair, "pytest.CaptureFixture[str]"], str]
 

@@ -61,7 +61,7 @@ BUILT_IN: Final = (
     ),
     DeferredBackend(
         "ros-interfaces",
-        "rtgen.ros2.backend",
+        "rtgen.ros2.backend.backend",
         lambda _, options: options.ros_interfaces,
     ),
     DeferredBackend(

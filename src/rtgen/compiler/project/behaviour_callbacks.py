@@ -7,7 +7,7 @@ import re
 from collections.abc import Callable, Iterable, Iterator
 
 from rtgen.compiler.diagnostics import Diagnostic, Span
-from rtgen.compiler.project.rules import MISSPELT_CALLBACK, NO_ANSWER, NOT_PYTHON
+from rtgen.compiler.project_rules import MISSPELT_CALLBACK, NO_ANSWER, NOT_PYTHON
 from rtgen.compiler.typemap.components.actions import ACTIONS
 
 _CALLBACKS = frozenset(action.method for action in ACTIONS)

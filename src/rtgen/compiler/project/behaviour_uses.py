@@ -19,7 +19,7 @@ from rtgen.compiler.project.behaviour_classes import (
     receiver,
     walk,
 )
-from rtgen.compiler.project.rules import UNKNOWN_NAME
+from rtgen.compiler.project_rules import UNKNOWN_NAME
 
 _PORTS = {
     kind: RuntimeClass("rtgen.runtime", name)

@@ -14,7 +14,8 @@ from rtgen.compiler.project import Project, behaviour_callbacks, renames, shown
 from rtgen.compiler.project import behaviour_uses as uses
 from rtgen.compiler.project.behaviour_classes import Modules
 from rtgen.compiler.project.compilation import Compilation, Declared
-from rtgen.compiler.project.rules import (
+from rtgen.compiler.project.skeletons import is_skeleton
+from rtgen.compiler.project_rules import (
     LEFTOVER_SKELETON,
     MISSPELT_CALLBACK,
     NO_ANSWER,
@@ -22,7 +23,6 @@ from rtgen.compiler.project.rules import (
     NOT_PYTHON,
     UNKNOWN_NAME,
 )
-from rtgen.compiler.project.skeletons import is_skeleton
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, exists, is_file, modules_in, read_file
 

@@ -13,7 +13,7 @@ from rtgen.compiler.kit.project_file import FILE_NAME
 from rtgen.compiler.kit.resources import ros_interfaces
 from rtgen.compiler.project.loading import Project
 from rtgen.compiler.project.output import MANIFEST
-from rtgen.compiler.project.rules import CHANGED_INPUTS
+from rtgen.compiler.project_rules import CHANGED_INPUTS
 from rtgen.facts.encodings import digest
 from rtgen.facts.files import MAX_BYTES, read_file, read_start
 from rtgen.facts.ros import interface_beside

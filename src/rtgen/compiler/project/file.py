@@ -20,7 +20,7 @@ from rtgen.compiler.diagnostics import (
 from rtgen.compiler.kit.toml_text import TomlError, parse
 from rtgen.compiler.kit.translation import LANGUAGES
 from rtgen.compiler.project import checks, ros2_checks
-from rtgen.compiler.project.rules import (
+from rtgen.compiler.project_rules import (
     FILE_UNREADABLE,
     NO_PLUGIN,
     PATH_MISSING,

@@ -30,14 +30,14 @@ from rtgen.compiler.project.paths import (
     tecs_path,
 )
 from rtgen.compiler.project.ros2 import Ros2Settings, ros2_settings
-from rtgen.compiler.project.rules import (
+from rtgen.compiler.project.run_table import run_findings
+from rtgen.compiler.project_rules import (
     NO_PATH,
     PATH_OVERLAP,
     PROJECT_NAME,
     SOURCE_KIND,
     SOURCE_NONE,
 )
-from rtgen.compiler.project.run_table import run_findings
 from rtgen.facts import python_modules
 from rtgen.facts.adapter_constants import constants
 from rtgen.facts.file_names import is_device

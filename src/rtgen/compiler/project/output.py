@@ -27,7 +27,7 @@ from rtgen.compiler.diagnostics import Diagnostic, InputError, Rule, ToolError
 from rtgen.compiler.kit import stages
 from rtgen.compiler.project import Project, shown
 from rtgen.compiler.project.compilation import Compilation
-from rtgen.compiler.project.rules import (
+from rtgen.compiler.project_rules import (
     ENCODING,
     FOREIGN_FILE,
     LEAVES_OUTPUT,

@@ -11,8 +11,8 @@ import msgspec
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Span
 from rtgen.compiler.kit.project_file import find
 from rtgen.compiler.project.paths import normal, shown, shown_path
-from rtgen.compiler.project.rules import PATH_MISSING, RUN_CONFLICT
 from rtgen.compiler.project.transport_names import ENGINES
+from rtgen.compiler.project_rules import PATH_MISSING, RUN_CONFLICT
 from rtgen.facts.files import exists, is_file, is_folder
 
 if TYPE_CHECKING:

@@ -11,7 +11,7 @@ from rtgen.compiler.backends.kit.rendering import template_names
 from rtgen.compiler.diagnostics import Diagnostic, Span
 from rtgen.compiler.project import file as project_file
 from rtgen.compiler.project.paths import normal, shown_path
-from rtgen.compiler.project.rules import PATH_MISSING, PATH_OVERLAP, UNKNOWN_TEMPLATE
+from rtgen.compiler.project_rules import PATH_MISSING, PATH_OVERLAP, UNKNOWN_TEMPLATE
 from rtgen.facts.files import is_folder, walk
 
 _MAX_FILES = 1000

@@ -6,7 +6,7 @@ from collections.abc import Iterable, Iterator, Mapping
 
 from msgspec.structs import replace
 
-from rtgen.compiler.diagnostics import Diagnostic, Rule, Severity
+from rtgen.compiler.diagnostics import Diagnostic, Severity
 from rtgen.compiler.frontends.kit.suggestions import guess
 from rtgen.compiler.model import (
     ConfigurationParameter,
@@ -17,22 +17,15 @@ from rtgen.compiler.model import (
 )
 from rtgen.compiler.model.system_links import Known
 from rtgen.compiler.systems import conditions, connections
+from rtgen.compiler.systems.connection_rules import (
+    OTHER_DEFINITION,
+    SYSTEM_PARAMETER,
+    UNKNOWN_COMPONENT,
+)
 from rtgen.compiler.typemap.components.parameters import Parameters
 from rtgen.runtime.errors import ConfigurationError
 from rtgen.runtime.rtc.parameter_values import Converter
 from rtgen.runtime.rtc.profiles import ParameterProfile
-
-UNKNOWN_COMPONENT = Rule(
-    "RTC0580", "system with a component that is not defined", Severity.ERROR
-)
-SYSTEM_PARAMETER = Rule(
-    "RTC0586",
-    "configuration that the component's definition does not have",
-    Severity.ERROR,
-)
-OTHER_DEFINITION = Rule("RTC0592", "id is not that of the definition", Severity.WARNING)
-
-RULES = (UNKNOWN_COMPONENT, SYSTEM_PARAMETER, OTHER_DEFINITION, *connections.RULES)
 
 _ASCENDING = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
 

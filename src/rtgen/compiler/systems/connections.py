@@ -10,7 +10,7 @@ from collections.abc import Callable, Collection, Iterable, Iterator, Mapping, S
 
 from msgspec.structs import replace
 
-from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Severity, Span
+from rtgen.compiler.diagnostics import Diagnostic, Related, Severity, Span
 from rtgen.compiler.frontends.kit.suggestions import guess
 from rtgen.compiler.model import (
     Connection,
@@ -30,40 +30,21 @@ from rtgen.compiler.model.system_links import (
     service_pairs,
 )
 from rtgen.compiler.systems import units
+from rtgen.compiler.systems.connection_rules import (
+    ALLOWED_IN_VAIN,
+    DATA_TYPE,
+    PORTS_DIFFER,
+    PROPERTY_VALUE,
+    TWICE,
+    UNITS,
+    UNKNOWN_PORT,
+    UNKNOWN_PROPERTY,
+    UNSERVED,
+)
 from rtgen.facts import connector_properties, ros_qos_words
 from rtgen.facts.connector_properties import ALLOW, OVERRIDE, OWN_PORT
 
-UNKNOWN_PORT = Rule(
-    "RTC0581", "connector with a port that is not there", Severity.ERROR
-)
-PORTS_DIFFER = Rule("RTC0582", "ports that cannot be joined", Severity.ERROR)
-UNKNOWN_PROPERTY = Rule("RTC0583", "unknown connector property", Severity.ERROR)
-PROPERTY_VALUE = Rule(
-    "RTC0584", "connector property with a value that it does not take", Severity.ERROR
-)
-DATA_TYPE = Rule(
-    "RTC0585", "connector declares another type than its ports", Severity.WARNING
-)
-ALLOWED_IN_VAIN = Rule(
-    "RTC0597", "connector that allows what it does not have", Severity.WARNING
-)
-
-TWICE = Rule("RTC0519", "ports joined twice", Severity.ERROR)
-UNSERVED = Rule("RTC0598", "consumer without a provider", Severity.WARNING)
-
-RULES = (
-    UNKNOWN_PORT,
-    PORTS_DIFFER,
-    UNKNOWN_PROPERTY,
-    PROPERTY_VALUE,
-    DATA_TYPE,
-    ALLOWED_IN_VAIN,
-    TWICE,
-    UNSERVED,
-    *units.RULES,
-)
-
-ALLOWABLE = {rule.code: rule for rule in (PORTS_DIFFER, DATA_TYPE, *units.RULES)}
+ALLOWABLE = {rule.code: rule for rule in (PORTS_DIFFER, DATA_TYPE, *UNITS)}
 """The rules that a connection can allow, by code."""
 
 _TYPE_KEY = "dataport.data_type"

@@ -5,17 +5,16 @@ from __future__ import annotations
 from collections.abc import Iterator
 from typing import NamedTuple
 
-from rtgen.compiler.diagnostics import Diagnostic, Related, Rule, Severity, rules_of
+from rtgen.compiler.diagnostics import Diagnostic, Related, Rule
 from rtgen.compiler.model import Connection, Model, NamedType, Port, Struct
+from rtgen.compiler.systems.connection_rules import (
+    DIMENSIONS_DIFFER,
+    MAY_DIFFER,
+    SCALES_DIFFER,
+    UNIT_MISSING,
+)
 from rtgen.compiler.typemap.member_units import Leaf, is_real, leaves
 from rtgen.facts.connector_properties import ALLOW
-
-DIMENSIONS_DIFFER = Rule("RTC0593", "ports of different dimensions", Severity.ERROR)
-UNIT_MISSING = Rule("RTC0594", "unit at one end of a connector only", Severity.NOTE)
-SCALES_DIFFER = Rule("RTC0595", "ports of different scales", Severity.WARNING)
-MAY_DIFFER = Rule("RTC0596", "units that may not fit", Severity.WARNING)
-
-RULES = rules_of(globals())
 
 _OTHERWISE = (
     "connect another port, correct @unit, or allow it by a reason in the property"

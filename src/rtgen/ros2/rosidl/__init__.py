@@ -1,22 +1,13 @@
 """Front end for ROS 2 interface files (`.msg`, `.srv`, `.action`): lines, types, declarations."""
 
-from __future__ import annotations
+from typing import TYPE_CHECKING
 
-from collections.abc import Sequence
-from pathlib import Path
+from rtgen.compiler.kit.deferred import deferred
 
-from rtgen.compiler.frontends import FrontendResult
-from rtgen.compiler.frontends.stage import Settings
-from rtgen.ros2.rosidl.pipeline import load
+if TYPE_CHECKING:
+    from rtgen.ros2.rosidl.pipeline import load, read
 
 __all__ = ["load", "read"]
 
-
-def read(paths: Sequence[Path], settings: Settings) -> FrontendResult:
-    """Read files with the settings of all front ends, as the stage of front ends calls it."""
-    return load(
-        paths,
-        root=settings.root,
-        include=settings.include,
-        encoding=settings.encoding,
-    )
+# Its rules do not need it.
+__getattr__ = deferred("rtgen.ros2.rosidl.pipeline", __all__)

@@ -19,6 +19,7 @@ from rtgen.compiler.frontends.kit.library import (
 )
 from rtgen.compiler.frontends.kit.main_files import open_main
 from rtgen.compiler.frontends.kit.suggestions import nearest
+from rtgen.compiler.frontends.stage import Settings
 from rtgen.compiler.kit import stages
 from rtgen.compiler.model import Declaration, Model, ScopedName, SourceFile
 from rtgen.facts.encodings import digest
@@ -39,6 +40,16 @@ from rtgen.ros2.rosidl.types import scoped
 _FORM: Final = "an interface file of ROS 2"
 _MAX_FILES: Final = 10_000
 _IDL: Final = ".idl"
+
+
+def read(paths: Sequence[Path], settings: Settings) -> FrontendResult:
+    """Read files with the settings of all front ends, as the stage of front ends calls it."""
+    return load(
+        paths,
+        root=settings.root,
+        include=settings.include,
+        encoding=settings.encoding,
+    )
 
 
 class InterfaceFile(msgspec.Struct, frozen=True):

@@ -167,9 +167,9 @@ def _made(
 def _part(finding: Diagnostic, project: Project) -> Part:
     """Return the part that a diagnostic belongs to."""
     from rtgen.compiler import linting
-    from rtgen.compiler.systems import units
+    from rtgen.compiler.systems.connection_rules import UNITS
 
-    if finding.code in {*linting.UNIT_CODES, *(rule.code for rule in units.RULES)}:
+    if finding.code in {*linting.UNIT_CODES, *(rule.code for rule in UNITS)}:
         return Part.UNITS
     if finding.code in {rule.code for rule in behaviours.RULES}:
         return Part.BEHAVIOURS

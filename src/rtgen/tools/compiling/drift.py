@@ -14,7 +14,7 @@ from rtgen.compiler.diagnostics import Diagnostic, Span
 from rtgen.compiler.project import Project, shown
 from rtgen.compiler.project.compilation import Compilation, Declared
 from rtgen.compiler.project.output import MANIFEST, Change, Plan
-from rtgen.compiler.project.rules import STALE_FILE, STRAY_FILE
+from rtgen.compiler.project_rules import STALE_FILE, STRAY_FILE
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import is_file, read_file
 from rtgen.facts.version import __version__

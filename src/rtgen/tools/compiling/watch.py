@@ -71,7 +71,7 @@ def _attempt(console: Console, request: Request) -> tuple[Path, ...]:
     except InputError as error:
         console.findings(error.diagnostics)
     except ToolError as error:
-        from rtgen.compiler.project.rules import ENVIRONMENT
+        from rtgen.compiler.project_rules import ENVIRONMENT
 
         console.findings([ENVIRONMENT.at(None, error.message, hint=error.hint)])
     finally:

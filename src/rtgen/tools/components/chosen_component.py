@@ -14,7 +14,7 @@ def chosen(model: Model, file: str | None, name: str | None) -> Component:
 
     Raises InputError.
     """
-    from rtgen.compiler.project.rules import WHICH_COMPONENT
+    from rtgen.compiler.project_rules import WHICH_COMPONENT
 
     files = {source.name for source in model.files if source.main}
     if file is None:

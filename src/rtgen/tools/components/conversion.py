@@ -102,7 +102,7 @@ def require_form(form: str, forms: Sequence[str], what: str) -> None:
     """Raise InputError unless something has a form."""
     if form in forms:
         return
-    from rtgen.compiler.project.rules import OTHER_FORM
+    from rtgen.compiler.project_rules import OTHER_FORM
 
     hint = f"--to {', --to '.join(forms)}"
     raise InputError([OTHER_FORM.at(None, f"{what} has no form {form}", hint=hint)])

@@ -3,10 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping
-from dataclasses import dataclass
 from enum import StrEnum
+from typing import TYPE_CHECKING, NamedTuple
 
-from rtgen.compiler.diagnostics import Rule, Severity, Span
+from rtgen.compiler.diagnostics import Rule, Severity
+
+if TYPE_CHECKING:
+    from rtgen.compiler.diagnostics import Span
 
 
 class Break(StrEnum):
@@ -50,8 +53,7 @@ def in_wire_order(wires: Iterable[Wire]) -> tuple[Wire, ...]:
     return tuple(sorted(set(wires), key=_ORDER.__getitem__))
 
 
-@dataclass(frozen=True, slots=True)
-class Kind:
+class Kind(NamedTuple):
     """A kind of change: the record behind its rule, its row in docs/changes.md and its messages.
 
     `breaks` are the classes of each change of the kind, `wires` what each breaks on the wire; kinds
@@ -82,8 +84,7 @@ def kinds_of(names: Mapping[str, object]) -> tuple[Kind, ...]:
     return tuple(value for value in names.values() if isinstance(value, Kind))
 
 
-@dataclass(frozen=True, slots=True, order=True)
-class User:
+class User(NamedTuple):
     """Part of the project that a change breaks: `kind` is `port`, `connection`, `node`, ..."""
 
     kind: str
@@ -91,8 +92,7 @@ class User:
     wires: tuple[Wire, ...] = ()
 
 
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Change:
+class Change(NamedTuple):
     """A change of `subject`, a scoped name; `old` and `new` are its places, None if missing."""
 
     kind: Kind

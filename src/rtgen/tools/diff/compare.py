@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
-
 from rtgen.tools.diff.buses import compare_buses
 from rtgen.tools.diff.cells import compare_cells
 from rtgen.tools.diff.changes import Change
@@ -37,8 +35,7 @@ def compare(old: Version, new: Version) -> list[Change]:
 
 
 def _relabelled(each: Change, old: Version, new: Version) -> Change:
-    return replace(
-        each,
+    return each._replace(
         old=None if each.old is None else old.relabel(each.old),
         new=None if each.new is None else new.relabel(each.new),
     )

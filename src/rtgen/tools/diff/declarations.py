@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from rtgen.compiler.inspection.facts import kind_of
 from rtgen.compiler.matching import matching
@@ -356,7 +356,7 @@ class _Assembly:
             User("type", "::".join(name), in_wire_order(wires))
             for name, wires in sorted(broken.items())
         )
-        self._result.changes.append(replace(made, users=users))
+        self._result.changes.append(made._replace(users=users))
 
 
 def _word(declaration: Declaration) -> str:

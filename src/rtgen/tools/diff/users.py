@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import defaultdict
 from collections.abc import Iterable, Iterator, Mapping
-from dataclasses import dataclass, field, replace
+from dataclasses import dataclass, field
 
 from rtgen.compiler.model import (
     ArrayType,
@@ -67,7 +67,7 @@ def with_users(changes: Iterable[Change], users: Users) -> Iterator[Change]:
     """Yield the changes with their users; compatible changes have none."""
     for each in changes:
         if each.classes == (Break.COMPATIBLE,):
-            yield replace(each, users=())
+            yield each._replace(users=())
             continue
         found = set(each.users)
         for user in each.users:
@@ -77,7 +77,7 @@ def with_users(changes: Iterable[Change], users: Users) -> Iterator[Change]:
         own = {each.subject, each.subject.partition(".")[0]}
         listed = (u for u in found if u.kind == "type" or u.name not in own)
         order = sorted(listed, key=lambda u: (_KINDS.index(u.kind), u.name))
-        yield replace(each, users=tuple(order))
+        yield each._replace(users=tuple(order))
 
 
 _PORT_CODES = "DIF032"

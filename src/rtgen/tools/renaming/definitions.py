@@ -10,7 +10,7 @@ from rtgen.compiler.diagnostics import Edit, InputError, Span
 from rtgen.compiler.frontends.cdl.syntax import keywords as cdl_keywords
 from rtgen.compiler.kit.resources import IDL_FILES, idl_file
 from rtgen.compiler.project import shown
-from rtgen.compiler.project.rules import NO_RENAME
+from rtgen.compiler.project_rules import NO_RENAME
 from rtgen.compiler.typemap.idl_keywords import FOLDED
 from rtgen.tools.indexing.components import component_key
 from rtgen.tools.indexing.index import Definition, FileIndex, Index, Kind, Place

@@ -7,7 +7,7 @@ from pathlib import Path
 from rtgen.compiler.diagnostics import Diagnostic, ToolError
 from rtgen.compiler.kit.own_files import RENAME_JOURNAL
 from rtgen.compiler.project import shown
-from rtgen.compiler.project.rules import INTERRUPTED
+from rtgen.compiler.project_rules import INTERRUPTED
 from rtgen.tools.renaming import journal
 
 

@@ -17,7 +17,7 @@ from typing import Any
 from rtgen import runtime
 from rtgen.compiler.diagnostics import Diagnostic, Edit, Span
 from rtgen.compiler.project import shown
-from rtgen.compiler.project.rules import NOT_FOLLOWED
+from rtgen.compiler.project_rules import NOT_FOLLOWED
 from rtgen.tools.indexing.components import KnownComponents
 from rtgen.tools.indexing.text import Text
 from rtgen.tools.renaming.definitions import RenameError

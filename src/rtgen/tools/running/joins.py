@@ -19,7 +19,8 @@ from rtgen.compiler.model import (
 )
 from rtgen.compiler.model.types import PrimitiveType
 from rtgen.compiler.systems import units
-from rtgen.compiler.systems.connections import PORTS_DIFFER, allowed
+from rtgen.compiler.systems.connection_rules import PORTS_DIFFER
+from rtgen.compiler.systems.connections import allowed
 from rtgen.compiler.systems.rules import CONNECTION
 from rtgen.compiler.systems.timeline import Connect
 from rtgen.facts.connector_properties import ALLOW

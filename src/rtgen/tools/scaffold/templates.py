@@ -9,8 +9,8 @@ from rtgen.compiler.backends.kit.rendering import template_names, template_sourc
 from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.kit.translation import translated
 from rtgen.compiler.project import FILE_NAME, file, find, shown
-from rtgen.compiler.project.rules import UNKNOWN_TEMPLATE
 from rtgen.compiler.project.templates import no_template, template_folder
+from rtgen.compiler.project_rules import UNKNOWN_TEMPLATE
 from rtgen.facts.columns import table
 from rtgen.tools.scaffold.rules import NO_PROJECT, NO_TEMPLATES
 from rtgen.tools.scaffold.starters import File

@@ -12,22 +12,17 @@ from bisect import bisect_left, bisect_right
 from collections.abc import Iterator
 from functools import cache, cached_property
 
-from rtgen.compiler.diagnostics import Diagnostic, Rule, Severity, rules_of
+from rtgen.compiler.diagnostics import Diagnostic, Rule
+from rtgen.compiler.frontends.kit.character_rules import (
+    CONTINUED_COMMENT,
+    ENCODING,
+    LONE_RETURN,
+    OCTET_OF_COMMENT,
+    OCTET_OF_LITERAL,
+)
 from rtgen.compiler.frontends.kit.lines import LineTable
 from rtgen.facts import encodings
 from rtgen.facts.decoded_text import Decoded
-
-ENCODING = Rule("TXT0001", "doubtful encoding", Severity.WARNING)
-OCTET_OF_COMMENT = Rule(
-    "TXT0002", "comment that ends in the octet of a backslash", Severity.WARNING
-)
-CONTINUED_COMMENT = Rule("TXT0003", "comment continued in the next line", Severity.NOTE)
-LONE_RETURN = Rule("TXT0004", "carriage return without a line feed", Severity.WARNING)
-OCTET_OF_LITERAL = Rule(
-    "TXT0005", "literal with the octet of a backslash", Severity.WARNING
-)
-
-RULES = rules_of(globals())
 
 TOKENS = re.compile(
     r"//[^\n]*|/\*(?:.*?\*/|.*)"

@@ -13,18 +13,17 @@ from functools import lru_cache
 from typing import NoReturn
 from xml.parsers import expat
 
-from rtgen.compiler.diagnostics import InputError, Rule, Severity, Span, rules_of
+from rtgen.compiler.diagnostics import InputError, Rule, Span
 from rtgen.compiler.frontends.kit.lines import LineTable
+from rtgen.compiler.frontends.kit.xml_rules import (
+    DEPTH,
+    DOCTYPE,
+    ENCODING,
+    MALFORMED,
+)
 from rtgen.facts import encodings
 from rtgen.facts.decoded_text import Decoded, encoded
 from rtgen.facts.encodings import Encoded
-
-MALFORMED = Rule("RTC0501", "not well-formed XML", Severity.ERROR)
-DOCTYPE = Rule("RTC0502", "document type declaration", Severity.ERROR)
-ENCODING = Rule("RTC0503", "bytes do not fit the encoding", Severity.ERROR)
-DEPTH = Rule("RTC0504", "elements nested too deeply", Severity.ERROR)
-
-RULES = rules_of(globals())
 
 _MAX_DEPTH = 100
 _DECLARED = re.compile(rb"""<\?xml[^>]*?encoding\s*=\s*["']([A-Za-z][\w.-]*)["']""")

@@ -6,22 +6,21 @@ from collections.abc import Callable
 from pathlib import Path
 from typing import NamedTuple
 
-from rtgen.compiler.diagnostics import Diagnostic, InputError, Rule, Severity
+from rtgen.compiler.diagnostics import Diagnostic, InputError
 from rtgen.compiler.frontends.kit import characters, located_xml
 from rtgen.compiler.frontends.kit.findings import Findings
 from rtgen.compiler.frontends.kit.located_xml import Element
 from rtgen.compiler.frontends.kit.suggestions import nearest
 from rtgen.compiler.frontends.profiles import profile_yaml
 from rtgen.compiler.frontends.profiles.profile_yaml import YAML_SUFFIXES
+from rtgen.compiler.frontends.profiles.rules import (
+    TOO_MANY,
+    UNREADABLE,
+)
 from rtgen.facts import files
 from rtgen.facts.decoded_text import with_line_feeds
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError
-
-UNREADABLE = Rule("RTC0505", "profile cannot be opened", Severity.ERROR)
-TOO_MANY = Rule("RTC0506", "too many findings", Severity.WARNING)
-
-RULES = (*located_xml.RULES, *profile_yaml.RULES, UNREADABLE, TOO_MANY)
 
 _MAX_BYTES = 16 * 1024 * 1024
 

@@ -13,16 +13,16 @@ from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Protocol
 
-from rtgen.compiler.diagnostics import InputError, Rule, Severity, Span, rules_of
+from rtgen.compiler.diagnostics import InputError, Span
 from rtgen.compiler.frontends.kit import located_yaml
 from rtgen.compiler.frontends.kit.located_xml import Element
 from rtgen.compiler.frontends.kit.located_yaml import Node, YamlError
+from rtgen.compiler.frontends.profiles.rules import (
+    BAD_YAML,
+)
 from rtgen.compiler.model.profile_elements import XSI
 
 YAML_SUFFIXES = (".yaml", ".yml")
-
-BAD_YAML = Rule("RTC0545", "not a profile in YAML", Severity.ERROR)
-RULES = rules_of(globals())
 
 _ACTIONS = (
     "OnInitialize OnFinalize OnStartup OnShutdown OnActivated OnDeactivated OnAborting"

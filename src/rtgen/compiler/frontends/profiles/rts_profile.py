@@ -13,14 +13,22 @@ from typing import NamedTuple
 from rtgen.compiler.diagnostics import (
     Diagnostic,
     Related,
-    Rule,
-    Severity,
     Span,
-    rules_of,
 )
 from rtgen.compiler.frontends.kit.findings import Findings
 from rtgen.compiler.frontends.kit.located_xml import Element
 from rtgen.compiler.frontends.profiles import profile_tree
+from rtgen.compiler.frontends.profiles.rules import (
+    CYCLE,
+    ID,
+    MISSING,
+    NO_END,
+    NOT_A_SYSTEM,
+    NUMBER,
+    OTHER_ID,
+    SAME_INSTANCE,
+    UNKNOWN_INSTANCE,
+)
 from rtgen.compiler.model import (
     Activation,
     Connection,
@@ -31,18 +39,6 @@ from rtgen.compiler.model import (
 from rtgen.compiler.model.components import NO_SYSTEM_DATE
 from rtgen.compiler.model.profile_elements import RTS, RTS_EXT, ProfileElement
 from rtgen.facts.connector_properties import PROFILE_ATTRIBUTES
-
-NOT_A_SYSTEM = Rule("RTC0510", "not an RtsProfile", Severity.ERROR)
-MISSING = Rule("RTC0511", "attribute missing", Severity.ERROR)
-SAME_INSTANCE = Rule("RTC0512", "two components of one name", Severity.ERROR)
-UNKNOWN_INSTANCE = Rule("RTC0513", "unknown instance", Severity.ERROR)
-NO_END = Rule("RTC0514", "connector without its two ends", Severity.ERROR)
-NUMBER = Rule("RTC0515", "bad number", Severity.ERROR)
-CYCLE = Rule("RTC0516", "activation waits for itself", Severity.ERROR)
-ID = Rule("RTC0517", "id without a component type", Severity.ERROR)
-OTHER_ID = Rule("RTC0518", "id is not that of the instance", Severity.WARNING)
-
-RULES = (*profile_tree.RULES, *rules_of(globals()))
 
 _DROPPED = frozenset(
     f"dataport.corba_cdr.{end}_{form}"

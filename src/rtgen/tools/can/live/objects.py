@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import replace
 
 from rtgen.compiler.model.canopen import Access
-from rtgen.compiler.project.rules import SUPERVISED
+from rtgen.compiler.project_rules import SUPERVISED
 from rtgen.facts.canopen import INVALID
 from rtgen.facts.cob_ids import SDO_SERVERS
 from rtgen.runtime.canopen.description import Kind

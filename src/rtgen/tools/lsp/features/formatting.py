@@ -7,8 +7,9 @@ from collections.abc import Callable
 from lsprotocol.types import Range, TextEdit
 
 from rtgen.compiler.diagnostics import InputError, ToolError
-from rtgen.tools.fmt import DEFAULT, LexicalError, Options, changed_text, edits, toml
-from rtgen.tools.fmt import Language as Form
+from rtgen.tools.fmt import DEFAULT, Options, changed_text, edits, toml
+from rtgen.tools.fmt.tokens import Language as Form
+from rtgen.tools.fmt.tokens import LexicalError
 from rtgen.tools.indexing.text import Shift
 from rtgen.tools.lsp.documents import Language
 from rtgen.tools.lsp.workspace import View
