@@ -129,11 +129,14 @@ int put_any(Writer *, PyObject *);
 PyObject *take_any(Reader *);
 PyObject *instance(const Node *, PyObject **values);
 int add_ports(PyObject *module);
+int add_numbers(void);
 
 #if defined(_MSC_VER)
 #define ALWAYS static __forceinline
+#define NEVER static __declspec(noinline)
 #else
 #define ALWAYS static inline __attribute__((always_inline))
+#define NEVER static __attribute__((noinline))
 #endif
 
 ALWAYS uint16_t swap16(uint16_t n) { return (uint16_t)(n << 8 | n >> 8); }
@@ -158,20 +161,23 @@ ALWAYS int seen_in(uint64_t word) {
     return high * HAS_HIGH | nul * HAS_NUL;
 }
 
+/* Up to seven octets and copies of some of them: words or octets that overlap. */
+ALWAYS uint64_t word_of(const char *octets, Py_ssize_t count) {
+    uint32_t first, last;
+    if (count < 4) {
+        const unsigned char *at = (const unsigned char *)octets;
+        return (uint64_t)at[count / 2] << 8 | (uint64_t)at[count - 1] << 16 | at[0] * 0x0101010101000001u;
+    }
+    memcpy(&first, octets, 4);
+    memcpy(&last, octets + count - 4, 4);
+    return (uint64_t)last << 32 | first;
+}
+
 /* Returns whether NUL and octets beyond ASCII are among the octets. */
 ALWAYS int scan(const char *octets, Py_ssize_t count) {
     uint64_t word;
     int seen = 0;
-    if (count < 8) {
-        if (count >= 4) {  /* two words of four octets, which overlap */
-            uint32_t first, last;
-            memcpy(&first, octets, 4);
-            memcpy(&last, octets + count - 4, 4);
-            return seen_in((uint64_t)last << 32 | first);
-        }
-        for (Py_ssize_t i = 0; i < count; i++) seen |= !octets[i] * HAS_NUL | (octets[i] & 0x80) / 0x80 * HAS_HIGH;
-        return seen;
-    }
+    if (count < 8) return count ? seen_in(word_of(octets, count)) : 0;
     for (Py_ssize_t i = 0; i < count - 8; i += 8) {
         memcpy(&word, octets + i, 8);
         seen |= seen_in(word);
@@ -182,9 +188,22 @@ ALWAYS int scan(const char *octets, Py_ssize_t count) {
 
 /* `memcpy` of octets that are mostly few; returns what `scan` does. */
 ALWAYS int copy_few(char *at, const char *octets, Py_ssize_t count) {
-    if (count < 8 || count > 32) {
+    if (count > 32 || !count) {
         memcpy(at, octets, count);
         return scan(octets, count);
+    }
+    if (count < 8) {
+        uint64_t word = word_of(octets, count);
+        if (count < 4) {
+            at[0] = (char)word;
+            at[count / 2] = (char)(word >> 8);
+            at[count - 1] = (char)(word >> 16);
+        } else {
+            uint32_t few = (uint32_t)word, last = (uint32_t)(word >> 32);
+            memcpy(at, &few, 4);
+            memcpy(at + count - 4, &last, 4);
+        }
+        return seen_in(word);
     }
     uint64_t first = load_word(octets), last = load_word(octets + count - 8);
     int seen = seen_in(first) | seen_in(last);

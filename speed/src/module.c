@@ -41,7 +41,7 @@ static PyObject *function_of(Codec *self) {
 }
 
 /* Calls the Python function, unless something else than a failure of the codec happened. */
-static PyObject *in_python(Codec *self, PyObject *const *args, size_t count, PyObject *names) {
+NEVER PyObject *in_python(Codec *self, PyObject *const *args, size_t count, PyObject *names) {
     if (PyErr_Occurred()) {
         if (!PyErr_ExceptionMatches(PyExc_Exception)) return NULL;
         PyErr_Clear();
@@ -90,9 +90,9 @@ static PyObject *encode(Codec *self, PyObject *value, int little) {
     return octets;
 }
 
-/* Opens bytes, bytearrays and views of octets; others are left to Python. */
+/* Opens bytearrays and views of octets; others are left to Python. */
 static int open_octets(PyObject *data, Py_buffer *view) {
-    if (PyBytes_Check(data) || PyByteArray_CheckExact(data)) return PyObject_GetBuffer(data, view, PyBUF_SIMPLE);
+    if (PyByteArray_CheckExact(data)) return PyObject_GetBuffer(data, view, PyBUF_SIMPLE);
     if (!PyMemoryView_Check(data) || PyObject_GetBuffer(data, view, PyBUF_FULL_RO)) return -1;
     int fits = view->ndim == 1 && view->itemsize == 1 && view->format != NULL && !strcmp(view->format, "B") &&
                (view->strides == NULL || view->strides[0] == 1) && view->suboffsets == NULL;
@@ -102,12 +102,18 @@ static int open_octets(PyObject *data, Py_buffer *view) {
 
 static PyObject *decode(Codec *self, PyObject *data, Py_ssize_t offset, int little) {
     Py_buffer view;
-    if (open_octets(data, &view)) return NULL;
+    if (PyBytes_Check(data)) {  /* the caller has a reference, and the octets stay as they are */
+        view.obj = NULL;
+        view.buf = PyBytes_AS_STRING(data);
+        view.len = PyBytes_GET_SIZE(data);
+    } else if (open_octets(data, &view)) {
+        return NULL;
+    }
     Reader r = {view.buf, offset, view.len, 0, little != PY_LITTLE_ENDIAN, little, 0};
     PyObject *value = offset < 0 || offset > view.len ? NULL : take(&r, self->root);
     if (value != NULL && self->mode == DECODE && r.position != r.end) Py_CLEAR(value);
     if (value != NULL && self->mode == READ) value = Py_BuildValue("Nn", value, r.position);
-    PyBuffer_Release(&view);
+    if (view.obj != NULL) PyBuffer_Release(&view);
     return value;
 }
 
@@ -277,7 +283,7 @@ PyMODINIT_FUNC PyInit_rtgen_speed(void) {
     if (module == NULL || little_endian_name == NULL) return NULL;
     int failed = PyModule_AddObjectRef(module, "Table", (PyObject *)&Table_Type) ||
                  PyModule_AddObjectRef(module, "Codec", (PyObject *)&Codec_Type) ||
-                 PyModule_AddIntConstant(module, "INTERFACE", 2) || add_ports(module);
+                 PyModule_AddIntConstant(module, "INTERFACE", 2) || add_ports(module) || add_numbers();
     for (int kind = 0; kind < KINDS && !failed; kind++) failed = PyModule_AddIntConstant(module, kinds[kind], kind);
     if (!failed) return module;
     Py_DECREF(module);

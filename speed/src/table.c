@@ -282,13 +282,22 @@ const Node *branch_of(const Node *node, int64_t number) {
     return node->otherwise;
 }
 
-/* A new instance, to which the references in `values` are given; they are released on failure. */
+/* A new instance, to which the references in `values` are given; they are released on failure.
+ * What refers to nothing that can be in a cycle is not tracked: so do constructors of msgspec.Struct,
+ * whose setters track an instance later. */
 PyObject *instance(const Node *node, PyObject **values) {
     PyTypeObject *type = (PyTypeObject *)node->type;
     PyObject *made;
     Py_ssize_t count = node->count;
     if (node->plain) {
-        made = type->tp_alloc(type, 0);
+        unsigned long traits = PyType_IS_GC(type) ? 0 : Py_TPFLAGS_HAVE_GC;
+        for (Py_ssize_t i = 0; i < count; i++) traits |= Py_TYPE(values[i])->tp_flags;
+        if (traits & Py_TPFLAGS_HAVE_GC) {
+            made = type->tp_alloc(type, 0);
+        } else {
+            made = PyObject_GC_New(PyObject, type);
+            if (made != NULL) memset(made + 1, 0, type->tp_basicsize - sizeof(PyObject));
+        }
         if (made != NULL) {
             for (Py_ssize_t i = 0; i < count; i++) *(PyObject **)((char *)made + node->members[i].offset) = values[i];
             return made;
