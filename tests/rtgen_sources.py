@@ -29,11 +29,21 @@ def trees(pattern: str) -> Iterator[tuple[str, ast.Module]]:
             yield name, ast.parse(text)
 
 
+def statements(tree: ast.Module) -> Iterator[ast.AST]:
+    """Yield all statements, of which a tree has far fewer than expressions."""
+    waiting: list[ast.AST] = [tree]
+    while waiting:
+        node = waiting.pop()
+        yield node
+        for field in ("body", "orelse", "finalbody", "handlers", "cases"):
+            waiting += getattr(node, field, ())
+
+
 @cache
 def imports(path: Path) -> frozenset[tuple[str, str]]:
     """Return what a file imports anywhere in its text: a module, and a name of it or nothing."""
     found: set[tuple[str, str]] = set()
-    for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+    for node in statements(ast.parse(path.read_text(encoding="utf-8"))):
         if isinstance(node, ast.Import):
             found |= {(alias.name, "") for alias in node.names}
         elif isinstance(node, ast.ImportFrom) and node.module and not node.level:

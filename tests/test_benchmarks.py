@@ -41,6 +41,7 @@ import speed_page as page  # noqa: E402
 import tables  # noqa: E402
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.peer
 @pytest.mark.parametrize(
     "name",

@@ -167,7 +167,7 @@ def runner(repository: Path) -> Runner:
     return runner
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(4)
 @pytest.mark.slow
 @pytest.mark.parametrize(
     "command",

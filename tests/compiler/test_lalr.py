@@ -145,6 +145,7 @@ def ours() -> lalr.Grammar:
     return grammars.load("idl", Plain(), RESERVED)
 
 
+@pytest.mark.sampled(20)
 @pytest.mark.parametrize("path", FILES, ids=lambda path: str(path.name))
 def test_every_definition_file_has_the_tree_that_lark_gives(
     path: Path, peer: Lark, ours: lalr.Grammar
@@ -156,6 +157,7 @@ def test_every_definition_file_has_the_tree_that_lark_gives(
     assert lalr.Parser(ours, unit.text).run() == plain(peer.parse(unit.text))
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", ["idl", "cdl"])
 def test_tables_do_not_depend_on_hashes(name: str) -> None:
     """States are numbered in the order of a traversal; lark's numbers follow the order of a set."""

@@ -12,6 +12,7 @@ from seeds import cases
 from rtgen.compiler.layouts.can_timing import Message
 
 
+@pytest.mark.nightly
 def test_schedules() -> None:
     report = run(ScheduleTarget, cases(200, always=40))
     assert not report.failures, report.failures[0].detail

@@ -2,11 +2,13 @@
 
 from pathlib import Path
 
+import pytest
 from cdl import CdlTarget
 from fuzzing import run
 from seeds import cases
 
 
+@pytest.mark.nightly
 def test_definitions() -> None:
     numbers = cases(200, always=200)
     report = run(CdlTarget, numbers)

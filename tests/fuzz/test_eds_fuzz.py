@@ -2,6 +2,7 @@
 
 from pathlib import Path
 
+import pytest
 from eds import ComponentsTarget, EdsTarget
 from fuzzing import run
 from seeds import cases
@@ -16,6 +17,7 @@ def test_device_descriptions() -> None:
     assert len(report.labels) > 45
 
 
+@pytest.mark.nightly
 def test_components() -> None:
     report = run(ComponentsTarget, cases(12, always=12))
     assert not report.failures, report.failures[0].detail

@@ -22,6 +22,7 @@ def test_hostile_names() -> None:
     assert report.labels["made"] >= 5
 
 
+@pytest.mark.nightly
 def test_hostile_systems_modules_and_profiles() -> None:
     report = run(ConversionsTarget, cases(40, always=6))
     assert not report.failures, report.failures[0].detail

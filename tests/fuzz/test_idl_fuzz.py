@@ -116,6 +116,7 @@ def read(folder: Path, data: bytes) -> FrontendResult:
     return result
 
 
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     "factory",
     [

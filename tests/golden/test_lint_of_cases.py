@@ -34,6 +34,7 @@ def refused() -> dict[str, set[str]]:
 REFUSED = refused()
 
 
+@pytest.mark.sampled(15)
 @pytest.mark.parametrize("case", REFUSED)
 def test_lint_knows_the_errors(
     case: str,

@@ -77,6 +77,7 @@ def test_the_idl_is_read_again(name: str, tmp_path: Path) -> None:
     assert not has_errors(again.diagnostics), again.diagnostics
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("name", "text", "code"),
     [

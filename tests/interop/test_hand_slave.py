@@ -320,6 +320,7 @@ def test_a_proxy_that_is_the_master() -> None:
         bench.close()
 
 
+@pytest.mark.nightly
 def test_in_another_process_over_a_hub() -> None:
     with HubProcess() as hub:
         bench = Bench(manager=True, hub=hub)

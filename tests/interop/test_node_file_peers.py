@@ -114,7 +114,7 @@ def test_a_slave_by_hand(tmp_path: Path) -> None:
     assert pdos(copy) == pdos(source)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize("name", ["epos_drive", "f_palette"])
 def test_a_local_node_of_the_package_canopen(
     name: str, tmp_path: Path, caplog: pytest.LogCaptureFixture

@@ -316,6 +316,7 @@ def test_values(types: Types, number: int, draw: random.Random) -> None:
     types.compare(draw, types.compared[number % len(types.compared)])
 
 
+@pytest.mark.nightly
 @settings(DRAWN, max_examples=SMALL_MODULES)
 @given(draw=st.randoms(use_true_random=False))
 def test_types(

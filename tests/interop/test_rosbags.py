@@ -227,6 +227,7 @@ class Pair:
         return ours, their_cls(**{key: b for key, (_, b) in pairs.items()})
 
 
+@pytest.mark.nightly
 @pytest.mark.random
 def test_octets_of_random_messages(model: Model, package: ModuleType) -> None:
     chosen = structs(model)

@@ -107,6 +107,7 @@ def compare(
             assert dds.from_theirs(type_, back, pair.theirs) == neutral
 
 
+@pytest.mark.nightly
 @settings(
     max_examples=TYPE_SETS,
     deadline=None,

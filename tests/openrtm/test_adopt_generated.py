@@ -86,6 +86,7 @@ def follower(reference: Path, tmp_path: Path) -> Path:
     return tmp_path / "changed/PathFollower.py"
 
 
+@pytest.mark.sampled(0)
 def test_what_was_changed_wins(follower: Path, reference: Path) -> None:
     text = follower.read_text(encoding="utf-8")
     follower.write_text(

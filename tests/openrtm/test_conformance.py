@@ -189,7 +189,7 @@ class Module:
         return f"{name}_out" if name in self.in_ports else name
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 def test_a_module_conforms(module: Module) -> None:
     """Test profile, configuration, data, services, and life cycle of a module."""
     import RTC

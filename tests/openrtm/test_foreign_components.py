@@ -202,6 +202,7 @@ def test_a_foreign_component_without_a_parameter(
     )
 
 
+@pytest.mark.sampled(1)
 def test_a_foreign_component_provides_a_service(
     launch: Callable[..., LoggedProcess],
     naming_service: str,

@@ -137,6 +137,7 @@ def test_a_component_that_is_not_activated_is_in_error(relay: Relay, lab: Lab) -
     assert "on_deactivated" not in relay.calls
 
 
+@pytest.mark.sampled(1)
 def test_what_fails_at_the_beginning_is_no_component(
     relay_module: Any, lab: Lab, caplog: pytest.LogCaptureFixture
 ) -> None:

@@ -397,6 +397,7 @@ def shell(naming_service: str, tool: str, *arguments: str) -> str:
     return done.stdout
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.peer
 @pytest.mark.skipif(
     importlib.util.find_spec("rtshell") is None, reason="rtshell-aist is not installed"

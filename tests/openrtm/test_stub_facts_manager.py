@@ -221,6 +221,7 @@ print(RTC.Added(5).number, RTC.TimedLong)
     assert script(after, rtm_environment, tmp_path).startswith("5 ")
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.usefixtures("openrtm")
 def test_unscoped_stubs_must_be_found_first(
     rtm_environment: dict[str, str], tmp_path: Path

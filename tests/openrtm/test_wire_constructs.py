@@ -90,6 +90,7 @@ def test_constructs(constructs: Wires) -> None:
         values_agree(kind, constructs.types)
 
 
+@pytest.mark.sampled(0)
 def test_further_types(further: Wires) -> None:
     for kind in further.kinds:
         if not kind.descriptor.name.endswith("::Dynamic"):

@@ -236,6 +236,7 @@ def test_the_script_leaves_openrtms_stubs_to_openrtm(
     assert made == ["intellirobot_idl.py"]
 
 
+@pytest.mark.sampled(1)
 @WITHOUT
 @pytest.mark.parametrize("way", ["RTM_IDL", "RTM_ROOT", "rtm2-config"])
 def test_the_script_finds_openrtms_idl(

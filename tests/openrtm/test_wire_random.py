@@ -23,6 +23,7 @@ VALUES = 6
 ANYS = [NULL, StringDescriptor(), PrimitiveDescriptor("long")]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_random_types(seed: int, orb: Any, tmp_path: Path) -> None:
     draw = random.Random(seed)

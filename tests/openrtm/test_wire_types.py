@@ -27,6 +27,7 @@ def test_every_reference_type(types: Wires) -> None:
         values_agree(kind, types.types)
 
 
+@pytest.mark.sampled(0)
 def test_initial_values_can_be_marshalled(types: Wires) -> None:
     for kind in types.kinds:
         octets = kind.type().to_cdr()

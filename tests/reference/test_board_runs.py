@@ -146,6 +146,7 @@ def test_the_board_stops_without_its_line_and_the_run_goes_on() -> None:
     assert max(ways) < 0.001
 
 
+@pytest.mark.sampled(0)
 def test_two_runs_with_a_cut_give_the_same_bytes() -> None:
     logs = []
     for _ in range(2):

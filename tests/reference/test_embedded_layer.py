@@ -184,6 +184,7 @@ def test_places_are_taken_from_the_one_not_needed_for_longest() -> None:
     assert recent.find(b"b") == -1
 
 
+@pytest.mark.sampled(0)
 def test_a_base_learns_where_it_passes() -> None:
     places: list[str] = []
 

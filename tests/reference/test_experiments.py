@@ -103,6 +103,7 @@ def test_the_follower_of_a_track_stays_on_it(chain: Experiment) -> None:
     assert dist(follower[0][:2], follower[-1][:2]) > 2.0
 
 
+@pytest.mark.sampled(0)
 def test_the_follower_of_a_robot_keeps_its_distance(chain: Experiment) -> None:
     gaps = [
         dist(one[:2], other[:2])
@@ -116,6 +117,7 @@ def test_the_follower_of_a_robot_keeps_its_distance(chain: Experiment) -> None:
     assert max(gaps) <= 1.5
 
 
+@pytest.mark.sampled(0)
 def test_the_chain_stays_within_its_area(chain: Experiment) -> None:
     for instance in ("RefHard0", "SegwayRmp0", "OmniWheel0"):
         for x, y, _ in chain.poses(instance, 0.0, 75.0):
@@ -123,6 +125,7 @@ def test_the_chain_stays_within_its_area(chain: Experiment) -> None:
             assert 0.0 <= y <= 7.0
 
 
+@pytest.mark.sampled(0)
 def test_both_ways_of_following_are_used(chain: Experiment) -> None:
     ways = {
         name: chain.components[name].configuration_sets.texts()["following"]
@@ -142,6 +145,7 @@ def test_leaders_are_exchanged_twice_and_one_joystick_drives_all(
         assert f"{robot} stands by" in names
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     ("leader", "rewired", "until"),
     [("SegwayRmp0", 48.0, 139.0), ("OmniWheel0", 141.0, 174.0)],
@@ -154,6 +158,7 @@ def test_ten_seconds_after_an_exchange_the_track_of_the_new_leader_is_followed(
     assert max(nearest(pose, track) for pose in follower[::25]) < 0.3
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     ("leader", "rewired", "until"),
     [("OmniWheel0", 48.0, 139.0), ("SegwayRmp0", 141.0, 174.0)],
@@ -170,6 +175,7 @@ def test_ten_seconds_after_an_exchange_the_distance_to_the_new_leader_is_kept(
     assert hypot(follower[-1][0] - follower[0][0], follower[-1][1] - follower[0][1]) > 1
 
 
+@pytest.mark.sampled(0)
 def test_the_same_objects_run_through_b1_and_b2(leaders_and_all: Experiment) -> None:
     run = leaders_and_all
     assert run.system.time == 420 * 10**9
@@ -194,7 +200,7 @@ def test_b2_has_the_system_of_b1() -> None:
     assert one == other
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     "name", [*SHORT, pytest.param("one_to_four", marks=pytest.mark.nightly)]
 )

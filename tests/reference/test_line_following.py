@@ -93,6 +93,7 @@ def test_a_point_is_approached_more_slowly_and_not_passed() -> None:
     assert v < 0.001
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("radius", [1.5, -1.5])
 def test_a_circle_is_kept_in_its_direction(radius: float) -> None:
     start = Pose(1.4, 0.0, pi / 2 if radius > 0 else -pi / 2)

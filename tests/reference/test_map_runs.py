@@ -47,6 +47,7 @@ def test_the_ceiling_corrects_what_odometry_gets_wrong() -> None:
         assert away(system, 3.4, 7.7) > 0.3
 
 
+@pytest.mark.sampled(0)
 def test_the_picture_shows_map_and_trail(run: tuple[Pose, Path]) -> None:
     text = run[1].read_text(encoding="utf-8")
     assert "<svg" in text

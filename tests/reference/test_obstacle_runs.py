@@ -55,7 +55,9 @@ class Drive:
 @pytest.fixture(scope="module")
 def drive(tmp_path_factory: pytest.TempPathFactory) -> tuple[Drive, Path]:
     picture = tmp_path_factory.mktemp("obstacles") / "seen.svg"
-    built = build(profile(OBSTACLES), [f"ObstacleMonitor0.picture={picture}"])
+    settings = [f"ObstacleMonitor0.picture={picture}"]
+    settings += ["LRFCapture_URG0.resolution=0.03"]
+    built = build(profile(OBSTACLES), settings)
     with built:
         run = Drive(built)
         assert built.run(100 * SECOND, at_end)

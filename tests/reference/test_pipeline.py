@@ -61,6 +61,7 @@ def test_the_ten_connections(file: Path) -> None:
     )
 
 
+@pytest.mark.sampled(0)
 def test_two_runs_give_the_same_log() -> None:
     logs = []
     for _ in range(2):
@@ -151,6 +152,7 @@ def test_stop_halts_the_base_and_go_lets_it_reach_its_goal() -> None:
         assert_at(truth(system), 1.0, 0.5, 0.5)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name",
     [

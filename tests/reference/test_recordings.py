@@ -92,6 +92,7 @@ def replayed(recording: Path, system: Path, present: set[str], path: Path) -> No
     assert expected
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("instance", INSTANCES)
 def test_each_component_alone_writes_what_it_wrote(
     goal: Path, tmp_path: Path, instance: str

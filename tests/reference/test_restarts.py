@@ -27,7 +27,7 @@ def away(system: System, truth: str) -> float:
     return hypot(pose.x - goal_pose[0], pose.y - goal_pose[1])
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("seconds", [pytest.param(0.05, marks=pytest.mark.slow), 2.0])
 @pytest.mark.parametrize(
     "instance",
@@ -42,7 +42,7 @@ def test_a_restart_leads_to_the_goal(instance: str, seconds: float) -> None:
         assert away(system, "RefHardRh30.truth") < 0.05
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize("seconds", [0.05, 2.0])
 def test_odometry_that_begins_anew_ends_the_travel(seconds: float) -> None:
     with build(profile(), goal(*TARGET)) as system:
@@ -69,7 +69,7 @@ def test_without_position_or_waypoints_the_base_stops(instance: str) -> None:
         assert system.observable("RefHardRh30.wheels") == (0.0, 0.0)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     "instance", ["OdometryRh20", "LocalizeCenter0", "CeilingNavigation0"]
 )

@@ -53,7 +53,13 @@ SENT = {"int32_value": 7, "float64_value": 1.5, "string_value": "hello"}
 WAY_OUT = "RMW_IMPLEMENTATION=rmw_cyclonedds_cpp"
 
 
-@pytest.fixture(scope="module", params=DISTRIBUTIONS)
+@pytest.fixture(
+    scope="module",
+    params=[
+        DISTRIBUTIONS[0],
+        *(pytest.param(each, marks=pytest.mark.nightly) for each in DISTRIBUTIONS[1:]),
+    ],
+)
 def ros2(request: pytest.FixtureRequest) -> Installation:
     return installation(request.param)
 
@@ -165,7 +171,6 @@ def provided(stack: ExitStack, network: Any, calls: ModuleType, name: str) -> li
     return executed
 
 
-@pytest.mark.sampled(1)
 def test_a_server_on_fast_dds_is_sent_no_request(
     peer: Node, calls: ModuleType, network: Any, stack: ExitStack, warnings: Any
 ) -> None:
@@ -297,7 +302,6 @@ def test_actions(
     assert not [event for event in peer.events if event[0] == "goal"]
 
 
-@pytest.mark.sampled(1)
 def test_managed_nodes(
     peer: Node, network: Any, stack: ExitStack, warnings: Any
 ) -> None:

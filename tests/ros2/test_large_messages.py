@@ -71,7 +71,7 @@ def own(request: pytest.FixtureRequest, ros2: Installation) -> Iterator[Any]:
     ends.close()
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("way", ["to rclpy", "from rclpy"])
 def test_a_late_reader_gets_the_whole_cloud(hand: Any, own: Any, way: str) -> None:
     topic = f"/clouds/{own.name}/{way.split()[0]}"

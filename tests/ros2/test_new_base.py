@@ -128,6 +128,7 @@ def test_two_descriptions_and_no_ros2(
     assert "Missing option '--ros2'" in capsys.readouterr().err
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize("source", [pytest.param(EDS, marks=pytest.mark.nightly), CDL])
 def test_what_it_makes_is_sound(
     source: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

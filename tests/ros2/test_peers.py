@@ -17,6 +17,7 @@ print(node.get_fully_qualified_name(), rclpy.get_rmw_implementation_identifier()
 """
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("distribution", DISTRIBUTIONS)
 def test_a_node_uses_fast_dds(distribution: str, tmp_path: Path) -> None:
     script = tmp_path / "node.py"

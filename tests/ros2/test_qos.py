@@ -106,7 +106,7 @@ def publish_until(
     until(arrived)
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("policy", POLICIES)
 @pytest.mark.parametrize("writes", [False, True])
 def test_what_does_not_fit_is_said_once_with_both_values(
@@ -208,6 +208,7 @@ def test_received_and_lost_are_all_that_was_sent(
         system.close()
 
 
+@pytest.mark.sampled(1)
 def test_missed_deadlines_are_counted_and_reported(
     peer: Node, network: Any, messages: ModuleType, warnings: Any
 ) -> None:

@@ -129,7 +129,7 @@ def test_rclpy_is_taken_if_it_is_there(run: Callable[..., Any]) -> None:
         assert "PRJ0020" not in done.stderr
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.parametrize(
     ("lines", "what"),
     [
@@ -159,6 +159,7 @@ def test_types_that_differ_from_the_installed_ones_are_refused(
     assert done.stderr.count("RIHS01_") == 2
 
 
+@pytest.mark.nightly
 def test_settings_of_other_networks_are_told(run: Callable[..., Any]) -> None:
     lines = TOPIC.format("fine") + '\n[ros2]\ninterface = "lo"\nnode = "n"'
     done = run(lines.replace("\n[ros2]\n", "\n[ros2]\n"), "--ros2", "rclpy")

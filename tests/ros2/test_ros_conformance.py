@@ -32,7 +32,7 @@ from subject import LAST, OTHERS, SPACE, create, port_of, running, shipped
 from rtgen.runtime.ros2.network import RosNode
 from rtgen.runtime.ros2.types import type_hash
 
-pytestmark = [pytest.mark.peer, pytest.mark.waits]
+pytestmark = [pytest.mark.peer, pytest.mark.waits, pytest.mark.nightly]
 
 BASICS, FIBONACCI = "test_msgs/srv/BasicTypes", "test_msgs/action/Fibonacci"
 STRING = "std_msgs/msg/String"
@@ -99,13 +99,13 @@ class Lab(NamedTuple):
 
 EVERY = [
     Beside("rclpy", "jazzy"),
-    pytest.param(Beside("rclpy", "kilted"), marks=pytest.mark.nightly),
-    pytest.param(Beside("dds", None), marks=pytest.mark.nightly),
-    pytest.param(Beside("zenoh", None), marks=pytest.mark.nightly),
+    Beside("rclpy", "kilted"),
+    Beside("dds", None),
+    Beside("zenoh", None),
 ]
 """Networks beside nodes with which all works."""
 TOPICS_ALONE = [
-    pytest.param(Beside("dds", "jazzy"), marks=pytest.mark.nightly),
+    Beside("dds", "jazzy"),
     Beside("dds", "kilted"),
 ]
 """Nodes on Fast DDS have other messages of services than Cyclone DDS can send."""
@@ -176,7 +176,6 @@ def _peer(
 everywhere = pytest.mark.parametrize("lab", EVERY, indirect=True, ids=str)
 
 
-@pytest.mark.sampled(1)
 @pytest.mark.parametrize("lab", [*EVERY, *TOPICS_ALONE], indirect=True, ids=str)
 def test_every_message_both_ways(lab: Lab) -> None:
     """Random values of all types come back with all fields."""
@@ -207,7 +206,6 @@ def test_every_message_both_ways(lab: Lab) -> None:
     until(returned, shown=lambda: sorted(left))
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize("lab", [*EVERY, *TOPICS_ALONE], indirect=True, ids=str)
 def test_late_nodes_get_the_last_message(lab: Lab) -> None:
     """Of a topic with the profile `map`: it keeps one message."""
@@ -525,12 +523,11 @@ def test_types_are_described(lab: Lab) -> None:
 CALLS = Path(__file__).with_name("network_calls.py")
 
 
-@pytest.mark.nightly
 @pytest.mark.parametrize(
     "beside",
     [
         Beside("rclpy", "jazzy"),
-        pytest.param(Beside("rclpy", "kilted"), marks=pytest.mark.nightly),
+        Beside("rclpy", "kilted"),
         Beside("dds", None),
         Beside("zenoh", None),
     ],

@@ -33,6 +33,7 @@ def texts(model: Model) -> dict[str, Callable[[], str]]:
     return shipped | ros_idl.idl_files(model)
 
 
+@cache
 def _idl_of_shipped(name: str) -> str:
     from rtgen.ros2 import ros_idl, rosidl
 

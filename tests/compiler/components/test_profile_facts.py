@@ -50,6 +50,7 @@ def written(facts: object) -> str:
     return f'<rtcExt:Properties rtcExt:name="rtgen.definition" rtcExt:value={value}/>'
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("key", KEYS)
 def test_kinds(key: str, tmp_path: Path) -> None:
     paths = []

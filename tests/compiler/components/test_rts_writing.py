@@ -200,6 +200,7 @@ def systems(draw: st.DrawFn) -> System:
     )
 
 
+@pytest.mark.sampled(0)
 @given(systems())
 def test_any_system_is_the_same_when_it_is_read_again(system: System) -> None:
     text = system_text(system)

@@ -56,6 +56,7 @@ def _write(folder: Path, draw: Random) -> list[Path]:
     return paths
 
 
+@pytest.mark.sampled(40)
 @pytest.mark.parametrize("number", cases(400, always=40))
 def test_results_are_those_of_reading_each_include(
     number: int, tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -73,6 +73,7 @@ items = st.recursive(
 )
 
 
+@pytest.mark.sampled(0)
 @given(
     st.text("a_b", min_size=1, max_size=90),
     st.lists(items, max_size=8),

@@ -336,6 +336,7 @@ MUTANTS: dict[str, tuple[Callable[[MockBoard, Service], None], dict[str, object]
 }
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("name", MUTANTS)
 def test_a_check_fails_for_a_board_that_breaks_just_it(
     name: str, tmp_path: Path

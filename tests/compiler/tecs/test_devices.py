@@ -24,6 +24,7 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("target", ["embedded", "openrtm"])
 @pytest.mark.parametrize(
     "device",

@@ -232,7 +232,7 @@ def test_every_type(
         check(Board(packages[form, arrays], type_), form)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.random
 @pytest.mark.parametrize("arrays", ["sequence", "any"])
 def test_boards_that_answer_wrong_octets(

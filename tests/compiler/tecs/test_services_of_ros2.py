@@ -283,6 +283,7 @@ def answer_by(taken: list[Any], answers: dict[str, Any], name: str, *given: Any)
     return answers[name]
 
 
+@pytest.mark.sampled(0)
 def test_values_of_drawn_calls() -> None:
     """A board gets the arguments that a request has, and a response has what it returns."""
     made_calls = 0

@@ -68,7 +68,7 @@ def check(made: ModuleType, name: str, server: ModuleType) -> None:
     )
 
 
-@pytest.mark.sampled(20)
+@pytest.mark.sampled(6)
 @pytest.mark.parametrize("corba", [False, True], ids=["embedded", "corba"])
 @pytest.mark.parametrize("name", BOUND)
 def test_a_signature_and_a_struct_of_a_bound_name(

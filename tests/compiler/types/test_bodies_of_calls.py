@@ -51,6 +51,7 @@ module Lab {{
 """
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.random
 @pytest.mark.parametrize("number", cases(60))
 @pytest.mark.parametrize("representation", ["cdr", "xcdr2"])

@@ -91,6 +91,7 @@ def round_trip(type_: type[Any], types: dict[str, type[Any]]) -> None:
     check()
 
 
+@pytest.mark.sampled(0)
 def test_any_octets_give_a_value_or_a_located_error(
     types: dict[str, type[Any]],
 ) -> None:

@@ -112,6 +112,7 @@ def test_items_without_octets(dyn: Any) -> None:
     assert list(made) == [9]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(("more", "accepted"), [(62, True), (63, False)])
 def test_values_without_octets_are_counted(more: int, accepted: bool) -> None:
     """There may be 100,000 values, and 16 for each octet."""

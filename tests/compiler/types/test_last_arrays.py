@@ -60,6 +60,7 @@ _STEPS = st.tuples(
 )
 
 
+@pytest.mark.sampled(0)
 @given(st.lists(_STEPS, min_size=5, max_size=30), st.booleans())
 def test_what_refers_to_an_array_keeps_its_numbers(
     scan: Any, steps: list[tuple[str, int, int]], little: bool

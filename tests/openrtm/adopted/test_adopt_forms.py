@@ -171,6 +171,7 @@ def test_idl_beside_the_module(
     assert "RTC0537" not in err
 
 
+@pytest.mark.sampled(0)
 def test_a_module_that_never_ends(tmp_path: Path) -> None:
     body = BODY + "        while True:\n            for i in range(1000): f(i)\n"
     path = tmp_path / "a.py"

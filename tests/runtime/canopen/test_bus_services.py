@@ -134,6 +134,7 @@ def test_all_nodes_may_have_another_sync_in_common(tmp_path: Path) -> None:
     assert {m.name: m.identifier for m in messages(bus)}["SYNC"] == 0x90
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("counter", [0, 10])
 @pytest.mark.parametrize("default", ["0", "10", "20"])
 @pytest.mark.parametrize("period", ["0", "1000"])

@@ -285,6 +285,7 @@ def test_without_python_can(
     )
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_a_record_is_complete_when_it_is_ended(
     number: signal.Signals, tmp_path: Path
@@ -323,6 +324,7 @@ def test_a_size_in_a_blf_file_takes_no_memory(place: int, tmp_path: Path) -> Non
         tracemalloc.stop()
 
 
+@pytest.mark.sampled(0)
 def test_a_container_that_inflates_without_end_is_refused(tmp_path: Path) -> None:
     path = tmp_path / "bomb.blf"
     with logs.writer(path) as made:

@@ -39,6 +39,7 @@ from rtgen.tools.conformance.report import (
 NAMES = ("f_palette", "motor_core_unit", "ftmd", "epos_drive")
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", NAMES)
 def test_our_own_nodes_conform(name: str) -> None:
     report = report_of(SPECS / f"{name}.eds")

@@ -89,6 +89,7 @@ def test_a_node_that_takes_rpdos_in_a_task() -> None:
     assert failed(report_on(line, PALETTE)) == set()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("inhibit", [200, 1000, 5000])
 def test_a_tpdo_with_an_inhibit_time(inhibit: int, tmp_path: Path) -> None:
     old, new = "DefaultValue=0", f"DefaultValue={inhibit}"
@@ -101,6 +102,7 @@ def test_a_tpdo_whose_inhibit_time_cannot_be_changed(tmp_path: Path) -> None:
     assert failed(report_of(eds)) == set()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("section", "check"),
     [

@@ -169,6 +169,7 @@ def test_hooks_and_values_of_objects_that_are_not_there() -> None:
         node.set(0x3000, 0, 1)
 
 
+@pytest.mark.sampled(0)
 @settings(max_examples=300, deadline=None)
 @given(st.data())
 def test_every_value_that_sdo_takes_is_read_back(data: st.DataObject) -> None:

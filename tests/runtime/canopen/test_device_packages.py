@@ -107,7 +107,7 @@ def test_definitions_use_the_types_of_a_device(tmp_path: Path) -> None:
         assert base("W0").wheel.type is drive.Tpdo1
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "first",
     [

@@ -60,7 +60,7 @@ def transfer(wire: Line, write: bool, block: bool) -> bytes | SdoAbort:
         return abort
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("write", "block"), WAYS)
 @pytest.mark.parametrize("fault", [LOST, TWICE, LATE, CORRUPT, RESET])
 def test_a_fault_at_each_frame_of_a_transfer(

@@ -308,6 +308,7 @@ def test_who_does_not_read_answers_is_cut_off() -> None:
 # The program.
 
 
+@pytest.mark.sampled(1)
 def test_frames_of_all_kinds_between_clients(hub: HubProcess) -> None:
     with (
         socketcand(hub, "kinds") as a,
@@ -504,6 +505,7 @@ def test_commands_of_slcan(hub: HubProcess) -> None:
     assert "refused, no frame: bad" in hub.error_line()
 
 
+@pytest.mark.sampled(1)
 def test_links_of_two_processes(hub: HubProcess) -> None:
     script = f"""
 import sys
@@ -665,6 +667,7 @@ def test_a_loss_is_the_same_for_the_same_seed() -> None:
     assert first == run_once()
 
 
+@pytest.mark.sampled(1)
 def test_the_end(hub: HubProcess) -> None:
     for how in (signal.SIGINT, signal.SIGTERM):
         with HubProcess() as hub, hub.raw() as end:

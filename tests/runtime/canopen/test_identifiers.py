@@ -252,6 +252,7 @@ def test_objects_without_a_default_begin_within_their_limits(
     assert bench.node.get(0x2F00) == wanted
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "values",
     [

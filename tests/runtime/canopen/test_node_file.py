@@ -321,6 +321,7 @@ def test_ranges_are_checked(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -
         assert "is not FROM-TO" in capfd.readouterr().err
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.waits
 def test_a_proxy_of_the_file_works_with_the_node(tmp_path: Path) -> None:
     line, work = channel(), tmp_path / "project"

@@ -149,6 +149,7 @@ def made(folder: Path) -> Compilation:
     return run
 
 
+@pytest.mark.sampled(0)
 def test_what_is_left_out_is_reported(made: Compilation) -> None:
     reported = [d for d in made.diagnostics if d.code == "EDS0802"]
     assert {d.message.partition(": ")[2] for d in reported} == {

@@ -141,6 +141,7 @@ def mappings(draw: st.DrawFn, aligned: bool = False) -> list[Mapped]:
     return found
 
 
+@pytest.mark.sampled(0)
 @QUICK
 @given(st.data())
 def test_random_mappings(data: st.DataObject) -> None:

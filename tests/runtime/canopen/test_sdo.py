@@ -145,6 +145,7 @@ def test_a_transfer_after_an_abort_that_was_lost() -> None:
 FATES = st.lists(st.sampled_from([LOST, ONCE, ONCE, ONCE, ONCE, TWICE]), max_size=40)
 
 
+@pytest.mark.sampled(0)
 @settings(max_examples=300, deadline=None)
 @given(
     fates=FATES,

@@ -133,7 +133,7 @@ def changed(path: Path) -> list[str]:
     return [f'"{number}" = {value}' for number, value in values.items()]
 
 
-@pytest.mark.sampled(15)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 @pytest.mark.parametrize("values", ["defaults", "changes"])
 def test_networks_of_each_description_start(

@@ -161,6 +161,7 @@ class Observer:
         raise AssertionError(f"{last:02X} was not seen, but {found}")
 
 
+@pytest.mark.sampled(0)
 def test_life_cycle_in_two_processes(generated: Path, hub: HubProcess) -> None:
     """Each transition of figure 110 from both sides, with the frames on the bus."""
     bus = bus_of(hub)

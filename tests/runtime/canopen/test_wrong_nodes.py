@@ -230,14 +230,14 @@ def test_each_check_has_a_mutant() -> None:
     assert list(MUTANTS) == [check.name for check in CHECKS]
 
 
-@pytest.mark.sampled(10)
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("check", MUTANTS)
 def test_a_check_finds_the_node_that_breaks_just_it(check: str, tmp_path: Path) -> None:
     report = report_of(described(check, tmp_path), MUTANTS[check])
     assert failed(report) == {check}, as_text(report)
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("what", FURTHER)
 def test_a_check_finds_other_nodes_too(what: str, tmp_path: Path) -> None:
     check, alter = FURTHER[what]

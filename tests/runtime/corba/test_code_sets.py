@@ -121,6 +121,7 @@ def test_an_argument_of_a_service(
     assert notes.keep(package.Note("aé", [])) == "aé"
 
 
+@pytest.mark.sampled(0)
 def test_utf_8_has_all(orb: Orb, peer: Callable[[str], Peer], tmp_path: Path) -> None:
     reference, other = peer("UTF-8")
     assert set_label(orb, reference, "日本 €") is True

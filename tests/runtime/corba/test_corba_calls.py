@@ -158,6 +158,7 @@ def orb_before(request: pytest.FixtureRequest) -> Iterator[None]:
     running.destroy()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.usefixtures("orb_before")
 def test_a_call_takes_no_longer_than_the_time_out_and_is_sent_once(
     project: Path, names: str, stack: ExitStack, serving: Callable[[], Run]

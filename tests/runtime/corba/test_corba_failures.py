@@ -29,6 +29,7 @@ from rtgen.runtime.corba.naming import Naming
 pytestmark = pytest.mark.waits
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_a_provider_that_is_not_active(
     project: Path, start: Callable[..., Run]
@@ -96,6 +97,7 @@ def test_calls_go_on_without_the_naming_service(
         counter.kill()
 
 
+@pytest.mark.sampled(0)
 def test_an_instance_runs_once(
     here: Here, start: Callable[..., Run], serving: Callable[[], Run]
 ) -> None:

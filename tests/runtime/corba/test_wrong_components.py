@@ -40,6 +40,7 @@ def test_each_check_has_a_mutant() -> None:
     assert {*MUTANTS, *WITHOUT_MUTANT} == {check.name for check in CHECKS}
 
 
+@pytest.mark.sampled(12)
 @pytest.mark.parametrize("name", MUTANTS)
 def test_a_check_fails_for_a_component_that_breaks_just_it(
     name: str, bench: Bench, monkeypatch: pytest.MonkeyPatch

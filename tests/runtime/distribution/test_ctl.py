@@ -59,6 +59,7 @@ def ctl(network: media.Engine, capfd: pytest.CaptureFixture[str]) -> Ctl:
     return run
 
 
+@pytest.mark.sampled(1)
 def test_components_are_listed_and_shown(node: Process, ctl: Ctl) -> None:
     code, text, _ = ctl("list", "--wait", "20")
     assert code == 0
@@ -139,6 +140,7 @@ def test_components_are_steered(node: Process, ctl: Ctl) -> None:
     assert state("b") is runtime.LifeCycleState.INACTIVE_STATE
 
 
+@pytest.mark.sampled(1)
 def test_parameters_are_read_and_set(node: Process, ctl: Ctl) -> None:
     assert ctl("get", "b", "--wait", "20")[:2] == (0, "b.gain = 1.0\n")
     assert ctl("set", "b.gain=2.5", "--wait", "20")[0] == 0
@@ -193,6 +195,7 @@ def activate(node: Process) -> None:
     until(lambda: node.system.state("b") is runtime.ACTIVE_STATE)
 
 
+@pytest.mark.sampled(1)
 def test_call(node: Process, ctl: Ctl) -> None:
     activate(node)
     assert ctl("call", "b.given.begin([1, 2], 2)") == (0, "[1, 2, 1, 2]\n", "")

@@ -680,6 +680,7 @@ def test_a_session_cannot_keep_a_shorter_lease_than_its_own(
     second.publisher(Topic("x/out", TimedDouble), qos).close()
 
 
+@pytest.mark.sampled(0)
 def test_a_process_that_stands_still_is_lost_after_the_lease_of_a_connection(
     stack: ExitStack, tmp_path: Path, locator: str
 ) -> None:

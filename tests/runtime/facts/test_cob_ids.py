@@ -84,6 +84,7 @@ def test_a_function_code_that_was_chosen_for_a_node_is_itself() -> None:
     assert in_force((0x1400, 1), 0, NODE, chosen=True) == 0x205
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize("node_id", [1, 64, 127])
 @pytest.mark.parametrize(
     "number",

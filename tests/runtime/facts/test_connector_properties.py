@@ -53,6 +53,7 @@ def connected(properties: Mapping[str, str], *, service: bool) -> bool:
     return True
 
 
+@pytest.mark.sampled(60)
 @pytest.mark.parametrize("key", [*stated_data(), *SERVICE])
 def test_both_take_the_same(key: str) -> None:
     for text in TEXTS:

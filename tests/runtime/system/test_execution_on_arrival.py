@@ -206,6 +206,7 @@ def test_a_failure_leads_to_error_and_its_ticks_go_on() -> None:
         assert system.statistics("failing").ticks == 1
 
 
+@pytest.mark.sampled(0)
 def test_a_cycle_without_a_periodic_component_ends_the_run() -> None:
     first, second = Relay("first"), Relay("second")
     with System() as system:

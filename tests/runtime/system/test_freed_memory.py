@@ -48,6 +48,7 @@ def test_blocks_of_some_megabytes_take_no_new_pages() -> None:
     assert faults() < PAGES / 10
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "option",
     [

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from runtime_samples import Actor, activated, long
@@ -68,6 +69,7 @@ steps = st.one_of(
 )
 
 
+@pytest.mark.sampled(0)
 @settings(max_examples=300, deadline=None)
 @given(st.lists(steps, max_size=40))
 def test_ports_do_as_the_model(course: list[tuple[str, int, int, bool]]) -> None:

@@ -145,7 +145,7 @@ def mortal(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[Mortal]:
         yield made
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 def test_a_process_stands_still_is_killed_and_is_started_again(mortal: Mortal) -> None:
     mortal.begin()
     mortal.flows()

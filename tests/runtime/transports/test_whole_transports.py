@@ -87,6 +87,7 @@ def test_full_buffers_keep_what_their_policy_says(pair: Pair) -> None:
     assert [number for number, _ in pair.taken("newest")] == [3, 4]
 
 
+@pytest.mark.sampled(2)
 def test_a_late_reader_of_a_pulled_connection_finds_what_waits(pair: Pair) -> None:
     for number in range(3):
         pair.write("pulled", number)
@@ -180,6 +181,7 @@ def test_calls_wait_for_their_turn_while_ticks_are_left_out(pair: Pair) -> None:
     assert charges >= 5
 
 
+@pytest.mark.sampled(2)
 def test_a_call_that_takes_too_long_is_sent_once(
     pair: Pair, network: media.Transports
 ) -> None:

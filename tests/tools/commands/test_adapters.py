@@ -294,6 +294,7 @@ def forms(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Path]:
         yield folder / "generated"
 
 
+@pytest.mark.sampled(0)
 def test_adapters_between_forms_pass_a_type_checker(forms: Path) -> None:
     check_by_mypy([forms / "formed"], [forms])
 

@@ -74,7 +74,7 @@ def state(folder: Path) -> dict[str, tuple[int, int]]:
     }
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("kind", BAD)
 def test_bad_input(
     generated: Path, capfd: pytest.CaptureFixture[str], kind: str

@@ -110,7 +110,7 @@ CHANGES = {
 }  # fmt: skip
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("cached", [True, False])
 @pytest.mark.parametrize("kind", CHANGES)
 def test_drift_is_at_the_declaration(

@@ -77,6 +77,7 @@ def test_openrtm_starts_no_process_for_it(project: Path) -> None:
     assert 'foreign="localhost/Odometry0.rtc"' in (folder / "connect.py").read_text()
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("language", ["", "python", "Python3", None])
 def test_what_rtgen_runs(project: Path, language: str | None) -> None:
     file = project / "RTC.xml"

@@ -93,6 +93,7 @@ def test_members_in_ports_and_observables() -> None:
     assert [row[0] for row in rows if row[3]][:3] == ["0.0", "0.02", "0.04"]
 
 
+@pytest.mark.sampled(0)
 def test_a_picture_has_axes_with_units(capfd: pytest.CaptureFixture[str]) -> None:
     selected = ["--plot", "PathFollower0.velocity", "--plot", "RefHardRh30.truth"]
     assert run([*SHORT, *selected]) == 0

@@ -101,6 +101,7 @@ def test_the_site_of_the_reference_build_is_whole(
     assert (built / "search" / "search_index.js").stat().st_size > 10_000
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_site_of_a_golden_project_is_whole(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch

@@ -31,6 +31,7 @@ def test_in_the_text(capfd: pytest.CaptureFixture[str]) -> None:
     assert lengths == sorted(lengths, reverse=True)
 
 
+@pytest.mark.sampled(0)
 def test_in_json_of_all_chains(capfd: pytest.CaptureFixture[str]) -> None:
     assert rtgen(["run", SYSTEM, "--until", "1", "--json"]) == 0
     report = json.loads(capfd.readouterr().out)

@@ -67,7 +67,7 @@ def work(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize("capital", [False, True])
 def test_components_called_as_any_module(work: Path, capital: bool) -> None:
     """Skeletons at the top level, each with the name of another module, can all be imported."""

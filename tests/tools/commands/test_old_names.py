@@ -48,6 +48,7 @@ def test_a_module_is_converted_as_it_is_adopted(
     assert capfd.readouterr() == adopted
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("form", "start", "name"),
     [

@@ -416,6 +416,7 @@ def test_a_kill_leaves_the_old_file_or_the_new_one(project: Project) -> None:
     assert sorted(f.name for f in project.output.rglob("*")) == [".rtgen.json", "a.py"]
 
 
+@pytest.mark.sampled(0)
 def test_runs_at_the_same_time_leave_the_tree_of_one(project: Project) -> None:
     script = WRITER.replace("while True", "for _ in range(6)")
     writers = [

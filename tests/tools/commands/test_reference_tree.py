@@ -199,6 +199,7 @@ def test_one_character_anywhere_in_the_tree_is_drift(
     assert {file.read_text() for file in skeletons} == {"# mine alone\n"}
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", ["json", "tree"])
 def test_inspect_shows_all_components(tmp_path: Path, kind: str) -> None:
     options = ["--json"] if kind == "json" else []

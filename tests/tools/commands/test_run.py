@@ -571,6 +571,7 @@ def test_an_interrupt_ends_a_run_with_its_report(
     assert "Traceback" not in err
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
 def test_an_interrupt_is_the_end_of_a_run_without_a_condition(
     number: signal.Signals,

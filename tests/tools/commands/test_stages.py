@@ -360,7 +360,7 @@ AT_ONCE = (
 """Those that `make test` tries: each value at least once."""
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("term", "force_color", "no_color", "tty"),
     [

@@ -124,6 +124,7 @@ def test_a_further_signal_ends_what_ignores_the_first(
     assert living(tmp_path) == []
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("code", [FORKS, f"{WRITES} import os; os.fork(); {DEAF}"])
 def test_what_a_process_has_started_ends_with_it(
     start: Start, tmp_path: Path, code: str
@@ -158,6 +159,7 @@ def test_a_process_outside_its_group_does_not_hold_the_end_up(
         (tmp_path / "over").touch()
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("text", ["x", "\\x1b[2J\\0"])
 def test_a_process_that_floods_is_printed_in_lines(start: Start, text: str) -> None:
     run = start(f"import sys; sys.stdout.write('{text}' * 200_000)")

@@ -124,6 +124,7 @@ def test_connections_that_do_not_fit(
     assert message in err
 
 
+@pytest.mark.sampled(0)
 def test_the_goal_is_reached_and_two_runs_are_the_same(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:
@@ -163,6 +164,7 @@ def test_on_a_terminal_there_is_a_bar() -> None:
     assert b"instance" in shown
 
 
+@pytest.mark.sampled(0)
 def test_what_editors_leave_out_and_leave_behind(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

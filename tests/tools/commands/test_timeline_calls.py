@@ -46,6 +46,7 @@ def timeline(*calls: str, raises: str | None = None) -> list[str]:
     return ["run", "s.xml", "--until", "2", "--timeline", "t.toml"]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("call", "outcome"),
     [
@@ -106,6 +107,7 @@ def test_a_component_that_is_not_active(capfd: pytest.CaptureFixture[str]) -> No
     assert "hint: a component serves calls once it is ACTIVE" in err
 
 
+@pytest.mark.sampled(5)
 @pytest.mark.parametrize(
     ("call", "what"),
     [
@@ -159,6 +161,7 @@ IN_JOB = (
 """Changes of the call with all kinds of values, and what is said of them."""
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize(
     ("call", "what"),
     [

@@ -321,7 +321,7 @@ def blocking(callback: str) -> Iterator[Break]:
     yield Break("", "    def on_execute", f"{method}    def on_execute", 1, 0, "")
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.waits
 @pytest.mark.parametrize("clock", ["sim", "real"])
 @pytest.mark.parametrize(

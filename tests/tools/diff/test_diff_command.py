@@ -49,6 +49,7 @@ def changes(capfd: pytest.CaptureFixture[str]) -> list[dict[str, object]]:
     return listed
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "arguments",
     [

@@ -25,7 +25,7 @@ def elsewhere(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
 
 
-@pytest.mark.sampled(60)
+@pytest.mark.sampled(30)
 @pytest.mark.parametrize("case", cases(), ids=lambda case: case.name)
 def test_a_change_is_found_with_its_classes(case: Case, tmp_path: Path) -> None:
     found = case.changes(tmp_path)

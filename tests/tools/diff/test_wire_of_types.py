@@ -13,6 +13,7 @@ from pathlib import Path
 from random import Random
 from typing import Any
 
+import pytest
 import seeds
 from hypothesis import HealthCheck, Phase, assume, given, seed, settings
 from hypothesis import strategies as st
@@ -84,6 +85,7 @@ class Pair:
                 yield same, (value, read)
 
 
+@pytest.mark.sampled(0)
 @settings(
     deadline=None,
     database=None,

@@ -46,7 +46,7 @@ NESTED: dict[str, tuple[Language, Text]] = {
 }
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("kind", NESTED)
 def test_what_the_front_ends_take_is_formatted(kind: str, tmp_path: Path) -> None:
     language, text = NESTED[kind]

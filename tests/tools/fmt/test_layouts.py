@@ -16,6 +16,7 @@ if budget(1) > 1:
 PARTS = 8 if len(NUMBERS) < MILLION else 64
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.random
 @pytest.mark.parametrize("part", range(PARTS))
 def test_nothing_is_lost_and_a_second_run_changes_nothing(part: int) -> None:

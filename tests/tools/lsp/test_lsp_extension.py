@@ -382,7 +382,7 @@ def test_commands_run_rtgen_in_the_project_of_the_file(
     assert task["cwd"] == str(workspace / project)
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.peer
 @pytest.mark.parametrize(
     ("editor", "code"),

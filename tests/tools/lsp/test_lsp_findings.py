@@ -91,6 +91,7 @@ def test_a_fault_shows_in_the_files_that_include_it(editor: Editor) -> None:
     assert errors(editor.findings("types_idl")["drawing.idl"]) == []
 
 
+@pytest.mark.sampled(0)
 def test_a_closed_document_counts_as_saved(editor: Editor) -> None:
     editor.open("types_idl", "struct {")
     assert errors(editor.findings("types_idl")["types.idl"])
@@ -180,6 +181,7 @@ def test_findings_of_behaviours(editor: Editor) -> None:
     assert (found.hint or "").startswith("did you mean where?")
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("edited", "expected"),
     [

@@ -312,6 +312,7 @@ def test_formatting_of_a_range(editor: Editor) -> None:
     assert "\n  entry sMotor eMotor;" in text
 
 
+@pytest.mark.sampled(0)
 def test_what_has_no_form_is_left(editor: Editor) -> None:
     assert formatting(editor.open("types_idl", 'struct A { "\n')) == []
     assert formatting(editor.open("drive_eds")) == []

@@ -218,6 +218,7 @@ VALUES: tuple[Any, ...] = (
 )
 
 
+@pytest.mark.sampled(0)
 def test_every_method_with_parameters_of_other_kinds() -> None:
     features = make_server().protocol.fm
     methods = sorted({*features.features, *features.builtin_features})

@@ -217,6 +217,7 @@ def test_odd_clients(tmp_path: Path) -> None:
     assert codes - {CONTENT_MODIFIED, REQUEST_CANCELLED} == set(NO_CLIENT)
 
 
+@pytest.mark.sampled(0)
 def test_exit_as_an_analysis_ends(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, caplog: pytest.LogCaptureFixture
 ) -> None:

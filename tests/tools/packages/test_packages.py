@@ -97,7 +97,7 @@ def test_a_package_imports_its_own_modules_relatively(
                 assert node.level <= depth if node.level else top in allowed, file
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 @pytest.mark.slow
 @pytest.mark.parametrize("name", INCLUDE)
 def test_text_is_as_black_has_it(sets: dict[str, Path], name: str) -> None:

@@ -515,6 +515,7 @@ def test_without_the_sdk_the_message_says_what_to_install(
     )
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("arguments", "what"),
     [

@@ -105,7 +105,7 @@ READERS = [
 ]
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("command", READERS, ids=lambda words: "-".join(words[:2]))
 def test_each_command_says_what_is_missing_of_a_recording(
     command: list[str],
@@ -244,6 +244,7 @@ def test_values_nested_too_deep_are_an_error(tmp_path: Path) -> None:
         [*Log(path).events()]
 
 
+@pytest.mark.sampled(0)
 def test_a_chunk_of_very_many_records_is_read_in_bounded_memory(tmp_path: Path) -> None:
     path = tmp_path / "bomb.mcap"
     size = 9 << 17

@@ -143,6 +143,7 @@ def replay(
         recorder.end(through=course.through)
 
 
+@pytest.mark.sampled(0)
 @pytest.mark.random
 def test_random_systems_write_what_they_wrote(tmp_path: Path) -> None:
     written = 0

@@ -251,6 +251,7 @@ def test_a_name_that_a_behaviour_has_is_left(
     assert texts(project) == before
 
 
+@pytest.mark.sampled(0)
 def test_attributes_of_what_is_not_known_stay_if_nothing_of_them_is_renamed(
     project: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

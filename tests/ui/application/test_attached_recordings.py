@@ -193,6 +193,7 @@ def page() -> Iterator[Watching]:
     bench.close()
 
 
+@pytest.mark.sampled(0)
 def test_a_recording_is_opened_beside_a_run(
     page: Watching, recording: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

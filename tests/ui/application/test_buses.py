@@ -94,6 +94,7 @@ def test_objects_are_read_and_written(bench: Bench, page: Page) -> None:
     assert page.ask("read", ui.SdoAccess(name, 0, 0x1000, 0, "")).code == "UIS0005"
 
 
+@pytest.mark.sampled(0)
 def test_frames_are_sent_once_and_again(bench: Bench, page: Page) -> None:
     page.done("step", 1.0)
     name = bus_of(bench).name

@@ -383,6 +383,7 @@ def test_a_peer_that_is_frozen_or_dead_says_so_and_blocks_nothing(
     page.until(lambda: not page.components)
 
 
+@pytest.mark.sampled(0)
 def test_a_naming_service_that_comes_late_is_found() -> None:
     with NameServer() as server:
         address = server.address
