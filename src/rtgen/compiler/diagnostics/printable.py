@@ -4,8 +4,9 @@ from __future__ import annotations
 
 import re
 
-_STEERING = re.compile(
-    r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff\ufeff\ufffe\uffff]"
+_STEERING = (
+    r"[\x00-\x1f\x7f-\x9f\u061c\u200e\u200f\u2028-\u202e\u2066-\u2069\ud800-\udfff"
+    r"\ufeff\ufffe\uffff]"
 )
 """Control and bidirectional characters, Unicode line ends, and lone surrogates."""
 
@@ -18,6 +19,8 @@ def printable(text: str, keep: str = "") -> str:
     """
     if text.isprintable():
         return text
-    return _STEERING.sub(
-        lambda m: m[0] if m[0] in keep else "\N{REPLACEMENT CHARACTER}", text
+    return re.sub(
+        _STEERING,
+        lambda m: m[0] if m[0] in keep else "\N{REPLACEMENT CHARACTER}",
+        text,
     )

@@ -50,4 +50,5 @@ def _of_packages() -> Iterator[str]:
             yield f"{looks.NAMES}{place}"
             for name in plugins.names_in(place):
                 if name.endswith(_METADATA):
-                    yield f"{looks.CONTENT}{place / name / 'entry_points.txt'}"
+                    # Paths take as long as all else.
+                    yield f"{looks.CONTENT}{place}/{name}/entry_points.txt"
