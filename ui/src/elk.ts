@@ -23,6 +23,9 @@ export interface Placed {
 
 export type Answer = { placed: Placed } | { error: string };
 
+/** Longest time that ELK waits for the server [ms]. */
+const LONGEST = 10_000;
+
 function load(): Worker {
   const worker = new Worker(program);
   // The page hears of it by the error of its own worker.
@@ -42,16 +45,20 @@ self.onmessage = ({ data, ports: [page] }: MessageEvent<Asked>) => {
 };
 
 async function arranged({ graph, token }: Asked): Promise<Placed> {
-  const address = `/arrangements/${await keyOf(graph)}?token=${encodeURIComponent(token)}`;
-  // A server that has ended has stored nothing.
-  const answer = await fetch(address).catch(() => undefined);
-  if (answer?.status === 200) {
-    const stored = (await answer.json()) as Placed;
-    if (isOf(graph, stored)) return stored;
-  }
+  // Without an answer, nothing is stored.
+  const { stored, put } = await look(graph, token).catch(() => ({ stored: undefined, put: "" }));
+  if (stored) return stored;
   const placed = compact(await elk.layout(graph));
-  if (answer?.headers.get("allow")?.includes("PUT")) fetch(address, { method: "PUT", body: JSON.stringify(placed) }).catch(() => undefined);
+  if (put) fetch(put, { method: "PUT", body: JSON.stringify(placed) }).catch(() => undefined);
   return placed;
+}
+
+/** What the server has stored for a graph, and the address where it takes another arrangement, if it does. */
+async function look(graph: ElkNode, token: string): Promise<{ stored: Placed | undefined; put: string }> {
+  const address = `/arrangements/${await keyOf(graph)}?token=${encodeURIComponent(token)}`;
+  const answer = await fetch(address, { signal: AbortSignal.timeout(LONGEST) });
+  const stored = answer.status === 200 ? ((await answer.json()) as Placed) : undefined;
+  return { stored: stored && isOf(graph, stored) ? stored : undefined, put: answer.headers.get("allow")?.includes("PUT") ? address : "" };
 }
 
 /** The hash of a graph, and of the program that places it. */
