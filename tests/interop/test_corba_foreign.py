@@ -158,6 +158,7 @@ def test_constructs(chain: Chain) -> None:
             check(chain, operation, value, values[name][0])
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "name", ["octets", "keys", "grids", "flags", "prices", "numbers", "wide"]
 )

@@ -75,7 +75,7 @@ def device_of(path: Path) -> Device:
     return device
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("path", CASES)
 def test_an_eds_comes_back_from_xml(path: Path, tmp_path: Path) -> None:
     is_configured = path.suffix.lower() == ".dcf"

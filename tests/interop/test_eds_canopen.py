@@ -103,7 +103,7 @@ def _made_up(device: Device, index: int) -> bool:
     return first is not None and second is not None and first.span == second.span
 
 
-@pytest.mark.sampled(9)
+@pytest.mark.sampled(4)
 @needs_files
 @pytest.mark.parametrize(
     "name", [n for n, facts in golden().items() if not facts.get("exception")]

@@ -62,7 +62,7 @@ def of_variables(device: Device) -> Iterator[tuple[int, int]]:
         yield variable.index, variable.subindex
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_what_is_written_reads_back_equal(path: Path, tmp_path: Path) -> None:
     device = read(path)
@@ -76,7 +76,7 @@ def test_what_is_written_reads_back_equal(path: Path, tmp_path: Path) -> None:
     assert eds_text(copy, ["A comment."]) == again.read_text(encoding="utf-8")
 
 
-@pytest.mark.sampled(12)
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("path", FILES, ids=lambda path: path.name)
 def test_the_canopen_package_reads_what_is_written(path: Path, tmp_path: Path) -> None:
     device = read(path, NODE)

@@ -149,6 +149,7 @@ def names_of(cases: list[dict[str, Any]]) -> list[str]:
     return [case["id"] for case in cases]
 
 
+@pytest.mark.sampled(44)
 @pytest.mark.parametrize("case", CASES, ids=names_of(CASES))
 def test_a_client_by_hand(package: str, case: dict[str, Any]) -> None:
     generated = Generated(package, case)
@@ -172,6 +173,7 @@ def test_a_client_by_hand(package: str, case: dict[str, Any]) -> None:
     assert called == [(case["function"], generated.arguments(sent(case)))]
 
 
+@pytest.mark.sampled(44)
 @pytest.mark.parametrize("case", CASES, ids=names_of(CASES))
 def test_a_server_by_hand(package: str, case: dict[str, Any]) -> None:
     generated = Generated(package, case)

@@ -74,7 +74,7 @@ def test_two_runs_give_the_same_log() -> None:
     assert logs[0].count("\n") > 1000
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.sampled(0)
 @pytest.mark.parametrize(
     "target", [(-1.0, 0.5, 0.0), (0.0, 0.0, 2.5), (1.0, -1.0, -3.0)]
 )
@@ -221,6 +221,7 @@ def test_fifty_waypoints_go_through_the_goal_connector(tmp_path: Path) -> None:
         assert all(system.statistics(i).lost == 0 for i in system.instances)
 
 
+@pytest.mark.sampled(0)
 def test_two_commands_of_a_file_one_after_the_other(tmp_path: Path) -> None:
     commands = tmp_path / "tour.txt"
     commands.write_text("goal 0.3 0 1.0\ngoal 0.3 0.3 0.0\n")

@@ -38,7 +38,7 @@ def peer(request: pytest.FixtureRequest) -> Iterator[Node]:
         yield made
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 def test_messages_of_both_sides(
     peer: Node, messages: dict[str, ModuleType], tmp_path: Path
 ) -> None:

@@ -71,7 +71,7 @@ def test_every_message_as_rclpy_serializes_it(
     assert with_more
 
 
-@pytest.mark.sampled(1)
+@pytest.mark.nightly
 def test_serialized_messages_are_received(peer: Node, classes: dict[str, Any]) -> None:
     """Published as octets with more than a message behind it."""
     from rtgen.runtime.ros2.dds import open_dds

@@ -148,6 +148,7 @@ def test_what_does_not_fit_is_said_once_with_both_values(
     assert warnings(topic) == [text]
 
 
+@pytest.mark.sampled(1)
 def test_pairs_that_fit_are_not_reported(
     peer: Node, network: Any, messages: ModuleType, warnings: Any
 ) -> None:
@@ -164,6 +165,7 @@ def test_pairs_that_fit_are_not_reported(
 NUMBER = 5500
 
 
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("depth", [1, 10, 1000])
 def test_received_and_lost_are_all_that_was_sent(
     depth: int, peer: Node, messages: ModuleType

@@ -149,6 +149,7 @@ def test_types_that_are_not_installed_are_refused(
     assert "Traceback" not in done.stderr
 
 
+@pytest.mark.nightly
 def test_types_that_differ_from_the_installed_ones_are_refused(
     run: Callable[..., Any],
 ) -> None:

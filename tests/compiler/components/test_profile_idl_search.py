@@ -122,6 +122,7 @@ def among_the_sources() -> list[str]:
 PLACES = [in_idl, beside, in_idl_beside, in_an_include_folder, among_the_sources]
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("file", NAMES)
 @pytest.mark.parametrize("place", PLACES)
 def test_each_place(

@@ -111,7 +111,7 @@ def test_reference_components(path: Path, tmp_path: Path) -> None:
     check_round_trip(Folder(tmp_path, INCLUDE), path)
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "path",
     [

@@ -51,7 +51,7 @@ def facts(element: Element) -> Any:
     return element.name, attributes, by_name, text
 
 
-@pytest.mark.sampled(8)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("path", [*PROFILES, *SYSTEMS], ids=lambda p: p.stem[-40:])
 def test_nothing_is_lost(path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     form = "rtc" if path in PROFILES else "rts"

@@ -66,7 +66,7 @@ def check(source: bytes) -> None:
     assert meaning(read(of_yaml(made))) == expected
 
 
-@pytest.mark.sampled(5)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     "path", SYSTEMS, ids=lambda path: path.relative_to(ROOT / "specs").as_posix()
 )

@@ -86,6 +86,7 @@ def test_a_written_system_keeps_the_rules_and_is_the_same(path: Path) -> None:
     assert system_text(written) == text
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("path", SYSTEMS, ids=lambda p: p.stem)
 def test_the_same_in_yaml(path: Path) -> None:
     text = system_text(read(path))

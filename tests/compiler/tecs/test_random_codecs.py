@@ -9,6 +9,7 @@ from contextlib import suppress
 from random import Random
 from typing import Any
 
+import pytest
 from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from random_signatures import Call, Sample, sample
@@ -64,6 +65,7 @@ REPLIES = st.sampled_from(("tecsgen", "paper"))
 RANDOMS = st.integers(0, 1 << 32).map(Random)
 
 
+@pytest.mark.sampled(0)
 @settings(DRAWN, max_examples=60)
 @given(random=RANDOMS, order=ORDERS, reply=REPLIES)
 def test_messages_are_those_of_a_plain_writer_and_read_back(

@@ -178,7 +178,7 @@ WRONG: list[tuple[str, Any, str]] = [
 ]
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(("member", "wrong", "message"), WRONG)
 @pytest.mark.parametrize("form", ["array", "numpy"])
 def test_faults_have_the_path_of_the_member(
@@ -211,6 +211,7 @@ def delimited(octets: bytes, little: bool) -> bytes:
     return struct.pack("<I" if little else ">I", len(octets)) + octets
 
 
+@pytest.mark.sampled(8)
 @pytest.mark.parametrize("form", FORMS)
 @pytest.mark.parametrize("little", [True, False])
 @pytest.mark.parametrize("count", [0, 3, 1250, 13001])
@@ -259,7 +260,7 @@ def test_a_dheader_precedes_values_of_other_layouts(
         assert again.to_xcdr2(little) == octets
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize(
     ("member", "wrong", "message"), [row for row in WRONG if f" {row[0]};" in MEMBERS]
 )

@@ -245,6 +245,7 @@ def test_any_and_dynamic_values(packages: dict[Numeric, Any]) -> None:
         assert AnyValue.from_cdr(structs).to_cdr() == structs
 
 
+@pytest.mark.sampled(14)
 @pytest.mark.parametrize(
     ("scan", "numbers"),
     [

@@ -59,6 +59,7 @@ def types(
     return Types(emitted.emit_text(tmp_path_factory.mktemp("random"), text))
 
 
+@pytest.mark.sampled(2)
 def test_round_trips(types: Types) -> None:
     for number in cases(EXAMPLES):
         draw = random.Random(number)

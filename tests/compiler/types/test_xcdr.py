@@ -442,6 +442,7 @@ def test_nothing_shorter_or_longer_is_read(x: Any, version: int) -> None:
             decode(type_, octets + b"\0", version, True)
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("version", [1, 2])
 def test_damaged_octets_give_a_value_or_an_error(x: Any, version: int) -> None:
     rand = random.Random(version)

@@ -412,6 +412,7 @@ def test_every_sdo_command_is_decoded(known: Written) -> None:
             assert known.raw(frame)["command"] == command
 
 
+@pytest.mark.sampled(1)
 def test_services_have_the_words_of_the_monitor(known: Written) -> None:
     decoder = Decoder(known.index)
     node = next(iter(known.index.nodes.values()))

@@ -244,6 +244,7 @@ def test_a_damaged_line_of_a_vector_log_is_reported(tmp_path: Path) -> None:
     assert f"line {number + 1}" in reports[0]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("suffix", [".log", ".asc", ".blf"])
 def test_a_log_that_is_cut_has_no_other_frames(suffix: str, tmp_path: Path) -> None:
     path = tmp_path / f"a{suffix}"

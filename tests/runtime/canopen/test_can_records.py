@@ -75,6 +75,7 @@ def recorded(path: Path, frames: list[can.Message]) -> Path:
     return path
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("suffix", [".log", ".asc", ".blf"])
 def test_a_record_shows_what_was_live(
     suffix: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]

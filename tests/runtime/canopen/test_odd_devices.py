@@ -210,6 +210,7 @@ def test_omniidl_reads_the_idl(folder: Path, made: Compilation) -> None:
         assert (done.returncode, done.stderr) == (0, b""), file.name
 
 
+@pytest.mark.nightly
 @pytest.mark.slow
 def test_the_order_of_files_does_not_matter(folder: Path, made: Compilation) -> None:
     """Each file is the same if the sources are read in reverse order."""
@@ -225,6 +226,7 @@ def test_the_order_of_files_does_not_matter(folder: Path, made: Compilation) -> 
         assert texts[artifact.path] == artifact.text
 
 
+@pytest.mark.sampled(0)
 def test_as_many_pdos_as_there_can_be(tmp_path: Path) -> None:
     things = [Thing(f"v{n}") for n in range(512)]
     pdos = {n + 1: [entry(0x2000 + n, 16)] for n in range(512)}

@@ -94,6 +94,7 @@ def test_a_late_reader_of_a_pulled_connection_finds_what_waits(pair: Pair) -> No
     assert pair.numbers("pulled", 3) == [0, 1, 2]
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize("megabytes", [1, 10])
 def test_big_samples_arrive_whole(pair: Pair, megabytes: int) -> None:
     octets = bytes(megabytes << 20)
@@ -171,6 +172,7 @@ def test_calls_of_many_threads_get_their_own_replies(pair: Pair) -> None:
     assert found == [True] * 100
 
 
+@pytest.mark.sampled(2)
 def test_calls_wait_for_their_turn_while_ticks_are_left_out(pair: Pair) -> None:
     assert pair.ask("echo x", 1) == b"x"
     pair.ask("late")

@@ -169,7 +169,7 @@ def expected(tmp_path_factory: pytest.TempPathFactory) -> dict[str, dict[str, ob
     return found
 
 
-@pytest.mark.sampled(3)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     ("encoding", "end", "how", "target"),
     [

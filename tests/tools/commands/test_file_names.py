@@ -36,7 +36,7 @@ EDS = Path(__file__).parents[3] / "specs" / "canopen" / "f_palette.eds"
 NAMES = ("モータ", "\N{FULLWIDTH LATIN SMALL LETTER O}s²", "a'b\"$(x)")
 
 
-@pytest.mark.sampled(4)
+@pytest.mark.sampled(2)
 @pytest.mark.parametrize("target", ["embedded", "openrtm", "small", "typescript"])
 @pytest.mark.parametrize("name", NAMES)
 def test_names_of_definition_files(

@@ -49,6 +49,7 @@ def project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
     return tmp_path
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("command", [["generate"], ["check"], ["generate", "--diff"]])
 def test_deviations_of_a_description_are_one_line(
     command: list[str], project: Path, capfd: pytest.CaptureFixture[str]

@@ -87,6 +87,7 @@ def test_a_full_disk_is_named_with_its_file(
     assert tree(folder) != before
 
 
+@pytest.mark.sampled(0)
 def test_a_read_only_disk(small: Callable[[str], None], tmp_path: Path) -> None:
     folder = tmp_path / "small"
     assert generate(folder) == 0

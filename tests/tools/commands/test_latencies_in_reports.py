@@ -55,6 +55,7 @@ def test_in_real_time(capfd: pytest.CaptureFixture[str]) -> None:
     assert 0 < loop["least"] <= loop["median"] <= loop["late"] <= loop["greatest"]
 
 
+@pytest.mark.sampled(0)
 def test_in_json_of_a_run_with_an_end(capfd: pytest.CaptureFixture[str]) -> None:
     assert rtgen(["run", SYSTEM, "--json"]) == 0
     report = json.loads(capfd.readouterr().out)

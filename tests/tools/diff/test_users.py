@@ -28,6 +28,7 @@ def of_bases(code: str, names: tuple[str, ...], before: str, after: str) -> Case
     return Case(code, "", "", old, new)
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     ("case", "expected"),
     [

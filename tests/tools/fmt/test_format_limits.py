@@ -125,7 +125,7 @@ def lines_of_code(language: Language, text: str) -> int:
     return number
 
 
-@pytest.mark.sampled(6)
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize("kind", REPEATED)
 def test_the_work_is_linear(kind: str) -> None:
     language, text = REPEATED[kind]

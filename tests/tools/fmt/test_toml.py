@@ -91,7 +91,7 @@ def test_random_layouts() -> None:
         check(random_text(random), options)
 
 
-@pytest.mark.sampled(40)
+@pytest.mark.sampled(14)
 @pytest.mark.parametrize("path", OURS, ids=lambda path: path.parent.name + path.stem)
 def test_files_of_the_repository(path: Path) -> None:
     text = path.read_text("utf-8")

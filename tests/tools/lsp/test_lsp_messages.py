@@ -99,6 +99,7 @@ BROKEN = {
 }
 
 
+@pytest.mark.sampled(7)
 @pytest.mark.parametrize("kind", BROKEN)
 def test_the_server_ends_where_no_message_can_be_found(kind: str) -> None:
     output = Sent()
@@ -278,6 +279,7 @@ def test_the_rest_of_a_long_body_is_not_stored() -> None:
     assert stream.most <= MAX_BODY
 
 
+@pytest.mark.sampled(3)
 @pytest.mark.parametrize(
     "uri",
     [

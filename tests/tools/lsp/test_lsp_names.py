@@ -187,6 +187,7 @@ def test_names_of_a_file_that_several_include_follow_the_edits_of_each(
     ]
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("header", ["[device.wheel]", '[device."wheel"]'])
 def test_a_device_of_a_bus_with_tables_in_it(editor: Editor, header: str) -> None:
     text = editor.path("bus_toml").read_text().replace("[device.wheel]", header)

@@ -82,6 +82,7 @@ def test_modules_import_in_any_order(sets: dict[str, Path], name: str) -> None:
     assert done.returncode == 0, done.stderr
 
 
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize("name", INCLUDE)
 def test_a_package_imports_its_own_modules_relatively(
     sets: dict[str, Path], name: str

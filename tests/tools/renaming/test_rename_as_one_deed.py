@@ -189,6 +189,7 @@ def test_names_of_comments_and_locals_stay(project: Path) -> None:
     )
 
 
+@pytest.mark.sampled(4)
 @pytest.mark.parametrize(
     ("rename", "reason"),
     [

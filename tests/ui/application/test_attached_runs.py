@@ -171,6 +171,7 @@ def test_samples_are_given(page: Watching, run: Running) -> None:
     page.until(lambda: run.counting.sum == 7.0)
 
 
+@pytest.mark.sampled(1)
 def test_parameters_and_samples_have_the_time_of_the_run(page: Watching) -> None:
     page.done("activated", ["Source0"])
     page.done("setting", ui.SetParameter("Source0", "", "gain", "2.5"))
@@ -191,6 +192,7 @@ def test_parameters_and_samples_have_the_time_of_the_run(page: Watching) -> None
     page.until(lambda: numbers()[-1] == 1.0)
 
 
+@pytest.mark.sampled(1)
 def test_wires_have_rates_and_losses(page: Watching) -> None:
     page.done("activated", ["Source0"])
 
@@ -242,6 +244,7 @@ def test_a_run_that_is_killed_is_told(page: Watching, run: Running) -> None:
     assert "without a farewell" in page.session.time().reason
 
 
+@pytest.mark.sampled(1)
 def test_the_run_before_is_compared_with_the_next(
     page: Watching, run: Running, begin: Begin
 ) -> None:

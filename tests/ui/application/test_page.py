@@ -61,6 +61,7 @@ def test_states_by_keyboard(page: Any, session: Session) -> None:
     activate_all(page, session)
 
 
+@pytest.mark.nightly
 def test_all_components_at_once(page: Any, session: Session) -> None:
     """Buttons for all components, by mouse and by keyboard; one component fails."""
     component: Any = session.system.component(ODOMETRY)
