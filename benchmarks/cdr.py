@@ -50,7 +50,7 @@ class Case:
 def generated(folder: Path) -> Any:
     """Return the generated packages."""
     from rtgen.compiler.backends import Options
-    from rtgen.compiler.backends.types import BACKEND
+    from rtgen.compiler.backends.types.backend import BACKEND
     from rtgen.compiler.frontends.idl import load
     from rtgen.compiler.lowering.numeric import lower
     from rtgen.compiler.lowering.settings import Settings

@@ -50,7 +50,7 @@ Row = tuple[str, Callable[[], object], Callable[[], object]]
 def generated(folder: Path) -> Any:
     """Return the generated package, and omniORBpy's stubs of the same types."""
     from rtgen.compiler.backends import Options
-    from rtgen.compiler.backends.types import BACKEND
+    from rtgen.compiler.backends.types.backend import BACKEND
     from rtgen.compiler.frontends.idl import load
     from rtgen.compiler.lowering.numeric import lower
     from rtgen.compiler.lowering.settings import Settings

@@ -35,7 +35,7 @@ Task = Callable[[], object]
 def generated(folder: Path) -> tuple[Any, Any]:
     """Return the generated packages of both files."""
     from rtgen.compiler.backends import Options
-    from rtgen.compiler.backends.types import BACKEND
+    from rtgen.compiler.backends.types.backend import BACKEND
     from rtgen.compiler.frontends.idl import load
     from rtgen.compiler.lowering.numeric import lower
     from rtgen.compiler.lowering.settings import Settings

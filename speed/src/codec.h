@@ -87,10 +87,13 @@ typedef struct {
     enum Mode mode;
     int identifier;         /* of the payload's representation in big-endian order, or -1 */
     int again;              /* a decoder's `cls` is its first argument */
+    Py_ssize_t likely;      /* octets that the next value is likely to need, or 0 */
     PyObject *make;         /* returns the Python function */
     PyObject *function;     /* that function, or NULL */
     PyObject *name;
 } Codec;
+
+#define PADDING 4           /* of a payload: that many octets after `capacity` are free */
 
 typedef struct {
     char *at;               /* the octets so far, in `few` or in `octets` */

@@ -18,7 +18,7 @@ static int grow(Writer *w, Py_ssize_t size) {
         return -1;
     }
     w->at = PyBytes_AS_STRING(w->octets);
-    w->capacity = capacity;
+    w->capacity = capacity - PADDING;
     return 0;
 }
 

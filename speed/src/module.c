@@ -53,13 +53,18 @@ NEVER PyObject *in_python(Codec *self, PyObject *const *args, size_t count, PyOb
     return result;
 }
 
-static void begin_writing(Writer *w, int little) {
-    w->at = w->few;
-    w->capacity = sizeof w->few;
+#define SPARE 32
+
+/* Values of a type mostly need as many octets as the one before: those are written where they stay. */
+static int begin_writing(Writer *w, int little, Py_ssize_t likely) {
+    w->octets = likely ? PyBytes_FromStringAndSize(NULL, likely) : NULL;
+    if (likely && w->octets == NULL) return -1;
+    w->at = likely ? PyBytes_AS_STRING(w->octets) : w->few;
+    w->capacity = (likely ? likely : (Py_ssize_t)sizeof w->few) - PADDING;
     w->position = w->base = w->depth = 0;
     w->little = little;
     w->swap = little != PY_LITTLE_ENDIAN;
-    w->octets = NULL;
+    return 0;
 }
 
 static PyObject *written(Writer *w, int identifier) {
@@ -71,7 +76,13 @@ static PyObject *written(Writer *w, int identifier) {
         w->position += padding;
     }
     if (w->octets == NULL) return PyBytes_FromStringAndSize(w->at, w->position);
-    if (w->position != PyBytes_GET_SIZE(w->octets) && _PyBytes_Resize(&w->octets, w->position)) return NULL;
+    Py_ssize_t spare = PyBytes_GET_SIZE(w->octets) - w->position;
+    if (spare > SPARE || !w->position) {
+        if (_PyBytes_Resize(&w->octets, w->position)) return NULL;
+    } else {
+        Py_SET_SIZE((PyVarObject *)w->octets, w->position);
+        w->at[w->position] = 0;
+    }
     PyObject *octets = w->octets;
     w->octets = NULL;
     return octets;
@@ -79,12 +90,12 @@ static PyObject *written(Writer *w, int identifier) {
 
 static PyObject *encode(Codec *self, PyObject *value, int little) {
     Writer w;
-    begin_writing(&w, little);
+    if (begin_writing(&w, little, self->likely)) return NULL;
     if (self->identifier >= 0) w.position = w.base = 4;
     PyObject *octets = NULL;
     if (!put(&w, self->root, value)) {
-        /* padding of a payload always has room: `few` is larger, and `grow` reserves more */
-        if (w.capacity - w.position >= 4 || self->identifier < 0) octets = written(&w, self->identifier);
+        octets = written(&w, self->identifier);
+        self->likely = w.position < (Py_ssize_t)sizeof w.few ? w.position + SPARE : 0;
     }
     Py_XDECREF(w.octets);
     return octets;

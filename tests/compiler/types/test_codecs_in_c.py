@@ -308,7 +308,7 @@ def test_characters_at_each_place_of_a_wide_string(tmp_path: Path) -> None:
     decode = Both("from_cdr", line._descriptor_, CLASSIC)
     for each in "\x00\x01\x80\xff\u0100\u8000\ud7ff\ud800\udfff\ue000\uffff\U00010000":
         has_octets = each != "\x00" and not 0xD800 <= ord(each) < 0xE000
-        for length in range(1, 10):
+        for length in (*range(1, 10), 17):
             for place in range(length):
                 for other in "a\u6f22":
                     row = [other] * length
