@@ -113,14 +113,12 @@ static PyObject *copy_into(const Node *node, PyObject *value, PyObject *old, int
         }
         return old;
     }
-    unsigned long traits = 0;
     for (Py_ssize_t i = 0; i < node->count; i++) {
         const Member *member = &node->members[i];
         PyObject *part = Py_XNewRef(*(PyObject **)((char *)value + member->offset));
         PyObject **slot = (PyObject **)((char *)old + member->offset), *before = *slot;
         *slot = NULL;
         if (part == NULL) return Py_XDECREF(before), Py_DECREF(old), NULL;
-        traits |= Py_TYPE(part)->tp_flags;
         if (member->node->shared || (part == Py_None && member->optional)) {
             *slot = part;
             Py_XDECREF(before);
@@ -130,8 +128,6 @@ static PyObject *copy_into(const Node *node, PyObject *value, PyObject *old, int
         Py_DECREF(part);
         if (*slot == NULL) return Py_DECREF(old), NULL;
     }
-    /* As `instance` does. */
-    if (traits & Py_TPFLAGS_HAVE_GC && PyType_IS_GC(Py_TYPE(old)) && !PyObject_GC_IsTracked(old)) PyObject_GC_Track(old);
     return old;
 }
 
