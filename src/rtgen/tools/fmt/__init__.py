@@ -8,6 +8,8 @@ if TYPE_CHECKING:
     from rtgen.tools.fmt.formatting import (
         DEFAULT,
         Edit,
+        Language,
+        LexicalError,
         Options,
         changed_text,
         edits,
@@ -17,6 +19,8 @@ if TYPE_CHECKING:
 __all__ = [
     "DEFAULT",
     "Edit",
+    "Language",
+    "LexicalError",
     "Options",
     "changed_text",
     "edits",

@@ -11,8 +11,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 
 from rtgen.tools.fmt.layout import Layout, Line
-from rtgen.tools.fmt.tokens import Language, tokens
+from rtgen.tools.fmt.tokens import Language, LexicalError, tokens
 from rtgen.tools.fmt.wrapping import Frame
+
+__all__ = [
+    "DEFAULT",
+    "Edit",
+    "Language",
+    "LexicalError",
+    "Options",
+    "changed_text",
+    "edits",
+    "format_text",
+]
 
 
 @dataclass(frozen=True, slots=True)
