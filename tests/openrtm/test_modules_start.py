@@ -46,7 +46,7 @@ def complete(reference: Path) -> Path:
     return reference
 
 
-@pytest.mark.sampled(2)
+@pytest.mark.sampled(1)
 @pytest.mark.parametrize(
     "name",
     [

@@ -93,6 +93,7 @@ def publish_until_heard(peer: Node, network: Node, topic: str) -> int:
     return int(until(heard))
 
 
+@pytest.mark.nightly
 def test_what_the_history_drops_is_counted(peer: Node, network: Node) -> None:
     topic = f"/burst_{uuid4().hex}"
     network.do("subscribe", topic, Profile(10))

@@ -257,6 +257,7 @@ def test_a_node_of_rclpy_follows_a_run_at_ten_times_real_time(module: str) -> No
 
 @pytest.mark.peer
 @pytest.mark.waits
+@pytest.mark.nightly
 def test_a_run_follows_a_clock_of_rclpy(module: str) -> None:
     pytest.importorskip("cyclonedds", reason="cyclonedds is not installed")
     with node(installation("jazzy"), "n", domain=media.own_domain()) as peer:

@@ -230,6 +230,7 @@ def test_a_connection_that_failed_to_end_is_ended(
     assert bench.failed() == []
 
 
+@pytest.mark.nightly
 def test_the_command(
     bench: Bench,
     names: str,

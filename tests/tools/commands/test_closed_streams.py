@@ -34,6 +34,7 @@ def test_a_command_says_what_it_can(closed: str, command: str) -> None:
     assert done.stderr == ("" if "2>&-" in closed else usual.stderr)
 
 
+@pytest.mark.nightly
 def test_no_file_takes_the_place_of_a_stream(tmp_path: Path) -> None:
     drawn = []
     for number, closed in enumerate(["", "<&- >&- 2>&-"]):

@@ -122,6 +122,7 @@ def test_the_page_of_lint_has_each_of_its_rules() -> None:
     assert {code for code in codes if f"| `{code}` |" not in page} == set()
 
 
+@pytest.mark.nightly
 def test_the_short_way_prints_what_the_command_prints(
     monkeypatch: pytest.MonkeyPatch, capfdbinary: pytest.CaptureFixture[bytes]
 ) -> None:

@@ -266,6 +266,7 @@ def test_attributes_of_what_is_not_known_stay_if_nothing_of_them_is_renamed(
     assert "shown.py:2:30: warning[PRJ0023]" in capfd.readouterr().err
 
 
+@pytest.mark.nightly
 def test_a_new_project(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setenv("RTGEN_CACHE_DIR", str(tmp_path / "cache"))

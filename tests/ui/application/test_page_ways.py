@@ -339,6 +339,7 @@ def test_wires_go_around_boxes(page: Any) -> None:
         page.get_by_role("button", name="Arranged").click()
 
 
+@pytest.mark.nightly
 def test_a_small_map_shows_the_whole_wiring(page: Any) -> None:
     button = page.get_by_role("button", name="Small map")
     whole = page.get_by_role("img", name="Map of the wiring")
