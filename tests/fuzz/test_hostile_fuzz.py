@@ -16,6 +16,7 @@ def test_hostile_definitions() -> None:
     assert report.labels["made"] >= 20
 
 
+@pytest.mark.nightly
 def test_hostile_names() -> None:
     report = run(NamesTarget, cases(18, always=6))
     assert not report.failures, report.failures[0].detail

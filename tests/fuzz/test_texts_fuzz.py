@@ -1,10 +1,12 @@
 """Definitions in UTF-8, Shift_JIS and EUC-JP: the same model, member for member."""
 
+import pytest
 from fuzzing import run
 from seeds import cases
 from texts import TextsTarget
 
 
+@pytest.mark.nightly
 def test_texts() -> None:
     numbers = cases(240, always=40)
     report = run(TextsTarget, numbers)

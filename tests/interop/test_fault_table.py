@@ -335,7 +335,7 @@ def line_of(name: str, medium: str, program: str = "") -> Iterator[Line]:
         yield line
 
 
-@pytest.mark.sampled(7)
+@pytest.mark.sampled(4)
 @pytest.mark.waits
 @pytest.mark.parametrize("medium", ["hub", pytest.param("pty", marks=pytest.mark.slow)])
 @pytest.mark.parametrize("name", FAULTS)

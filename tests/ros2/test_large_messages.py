@@ -73,6 +73,7 @@ def own(request: pytest.FixtureRequest, ros2: Installation) -> Iterator[Any]:
 
 @pytest.mark.sampled(1)
 @pytest.mark.parametrize("way", ["to rclpy", "from rclpy"])
+@pytest.mark.nightly
 def test_a_late_reader_gets_the_whole_cloud(hand: Any, own: Any, way: str) -> None:
     topic = f"/clouds/{own.name}/{way.split()[0]}"
     writer, reader = (own, hand) if way == "to rclpy" else (hand, own)

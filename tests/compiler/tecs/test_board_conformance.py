@@ -475,6 +475,7 @@ def test_a_serial_line_without_a_board(
         os.close(far)
 
 
+@pytest.mark.nightly
 def test_the_command(tmp_path: Path, capfd: pytest.CaptureFixture[str]) -> None:
     expected = service(tmp_path)
     cdl, page = str(tmp_path / "bench.cdl"), tmp_path / "report.html"

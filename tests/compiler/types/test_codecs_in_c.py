@@ -233,6 +233,7 @@ _IN_ANY: list[Descriptor] = [
 ]
 
 
+@pytest.mark.nightly
 def test_drawn_types(tmp_path: Path) -> None:
     covered = 0
     for number in cases(20, always=4):

@@ -67,6 +67,7 @@ def between(found: list[dict[str, Any]]) -> list[dict[str, Any]]:
     return found[first:last]
 
 
+@pytest.mark.nightly
 def test_a_record_of_a_network_shows_what_was_live(
     tmp_path: Path, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -82,6 +82,7 @@ def supervised(folder: Path) -> Iterator[Callable[..., Supervised]]:
             each.end()
 
 
+@pytest.mark.nightly
 def test_each_process_that_dies_is_started_again_and_the_run_goes_on(
     supervised: Callable[..., Supervised], folder: Path
 ) -> None:

@@ -431,6 +431,7 @@ def secure(tmp_path: Path) -> Path:
     return config
 
 
+@pytest.mark.nightly
 def test_security_that_cannot_be_had_is_refused(secure: Path, partition: str) -> None:
     """The wheel of cyclonedds has no security: nothing is sent in the clear instead."""
     with pytest.raises(MediumError, match="domain 89"):

@@ -87,6 +87,7 @@ def printed(capfd: pytest.CaptureFixture[str], *words: str) -> tuple[Any, Any]:
     ],
     ids=str,
 )
+@pytest.mark.sampled(0)
 def test_inspected_models_are_valid(
     paths: list[str], monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
 ) -> None:

@@ -66,9 +66,8 @@ def check_it_is_whole(project: Path, generated: Path | None) -> None:
 
 
 @pytest.mark.slow
-@pytest.mark.parametrize(
-    "name", [pytest.param("my-robot", marks=pytest.mark.nightly), "acme.rover"]
-)
+@pytest.mark.nightly
+@pytest.mark.parametrize("name", ["my-robot", "acme.rover"])
 def test_a_project_with_every_part_is_whole(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -57,6 +57,7 @@ def test_frames_nodes_and_objects_of_its_buses() -> None:
         assert "period" in refused.message
 
 
+@pytest.mark.nightly
 def test_calls_to_its_boards() -> None:
     with running(str(BOARD), *PACED) as program, watching(program.path) as page:
         drive = page.until(

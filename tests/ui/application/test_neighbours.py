@@ -298,6 +298,7 @@ def test_components_of_the_page_are_wired_with_others(
             page.session.close()
 
 
+@pytest.mark.nightly
 def test_they_are_saved_with_the_system_and_restored(
     page: Watcher, names: str, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:

@@ -60,6 +60,7 @@ def test_the_bus_is_a_line_below_the_boxes(bus: Any, session: Session) -> None:
     until(bus, lambda: views.all_inner_texts() == ["Buses", "Wiring", "Timeline"])
 
 
+@pytest.mark.nightly
 def test_frames_are_decoded_and_filtered(bus: Any) -> None:
     frames = bus.get_by_role("table", name="Frames")
     frames.get_by_text("heartbeat", exact=True).first.wait_for()

@@ -26,6 +26,7 @@ def services(page: Any) -> Any:
     return page
 
 
+@pytest.mark.nightly
 def test_a_function_is_called_and_its_octets_shown(services: Any) -> None:
     services.get_by_role("button", name="Call identify of").click()
     result = services.get_by_role("status", name="Result of identify")
