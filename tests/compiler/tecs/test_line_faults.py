@@ -146,5 +146,10 @@ def test_random_calls_with_faults(caller: Caller) -> None:
     for function in caller.script.functions:
         caller.call(function)
         assert caller.call(function) or function.oneway
+    # Those drawn may all have been after the octets of their calls.
+    for function in caller.script.functions:
+        caller.line.cut(1, 0)
+        assert not caller.call(function) or function.oneway
+        caller.line.mend()
     assert caller.failed
     caller.check()
