@@ -15,12 +15,7 @@ from xml.parsers import expat
 
 from rtgen.compiler.diagnostics import InputError, Rule, Span
 from rtgen.compiler.frontends.kit.lines import LineTable
-from rtgen.compiler.frontends.kit.xml_rules import (
-    DEPTH,
-    DOCTYPE,
-    ENCODING,
-    MALFORMED,
-)
+from rtgen.compiler.frontends.kit.xml_rules import DEPTH, DOCTYPE, ENCODING, MALFORMED
 from rtgen.facts import encodings
 from rtgen.facts.decoded_text import Decoded, encoded
 from rtgen.facts.encodings import Encoded

@@ -13,10 +13,7 @@ from rtgen.compiler.frontends.kit.located_xml import Element
 from rtgen.compiler.frontends.kit.suggestions import nearest
 from rtgen.compiler.frontends.profiles import profile_yaml
 from rtgen.compiler.frontends.profiles.profile_yaml import YAML_SUFFIXES
-from rtgen.compiler.frontends.profiles.rules import (
-    TOO_MANY,
-    UNREADABLE,
-)
+from rtgen.compiler.frontends.profiles.rules import TOO_MANY, UNREADABLE
 from rtgen.facts import files
 from rtgen.facts.decoded_text import with_line_feeds
 from rtgen.facts.encodings import decode

@@ -17,9 +17,7 @@ from rtgen.compiler.diagnostics import InputError, Span
 from rtgen.compiler.frontends.kit import located_yaml
 from rtgen.compiler.frontends.kit.located_xml import Element
 from rtgen.compiler.frontends.kit.located_yaml import Node, YamlError
-from rtgen.compiler.frontends.profiles.rules import (
-    BAD_YAML,
-)
+from rtgen.compiler.frontends.profiles.rules import BAD_YAML
 from rtgen.compiler.model.profile_elements import XSI
 
 YAML_SUFFIXES = (".yaml", ".yml")

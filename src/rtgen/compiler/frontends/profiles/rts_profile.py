@@ -10,11 +10,7 @@ from math import isfinite
 from pathlib import Path
 from typing import NamedTuple
 
-from rtgen.compiler.diagnostics import (
-    Diagnostic,
-    Related,
-    Span,
-)
+from rtgen.compiler.diagnostics import Diagnostic, Related, Span
 from rtgen.compiler.frontends.kit.findings import Findings
 from rtgen.compiler.frontends.kit.located_xml import Element
 from rtgen.compiler.frontends.profiles import profile_tree
