@@ -29,6 +29,9 @@ ALLOWED_IN_VAIN = Rule(
 TWICE = Rule("RTC0519", "ports joined twice", Severity.ERROR)
 UNSERVED = Rule("RTC0598", "consumer without a provider", Severity.WARNING)
 
+CONNECTIONS = rules_of(globals())
+"""The rules of connections, with those of units."""
+
 UNKNOWN_COMPONENT = Rule(
     "RTC0580", "system with a component that is not defined", Severity.ERROR
 )
