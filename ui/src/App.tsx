@@ -159,7 +159,7 @@ export function App() {
           connections={system.connections}
           buses={system.buses}
           planned={planned}
-          flows={page.flows}
+          lost={page.lost}
           full={full}
           selected={selected}
           select={select}

@@ -18,7 +18,7 @@ import { Menu } from "./Menu.tsx";
 import type { Item, Place } from "./Menu.tsx";
 import { DRAGGED } from "./Palette.tsx";
 import { Taken, isClear, route } from "./routes.ts";
-import type { Bus, Component, Connection, Fit, Flow, PlannedEvent, Port, PortAddress } from "./protocol/Ui.ts";
+import type { Bus, Component, Connection, Fit, PlannedEvent, Port, PortAddress } from "./protocol/Ui.ts";
 import type { Misfit } from "./Purpose.tsx";
 import { Purpose } from "./Purpose.tsx";
 import { stateClass, stateOf, store } from "./store.ts";
@@ -284,7 +284,7 @@ export const Wiring = memo(function Wiring(props: {
   buses: readonly Bus[];
   /** Connections that the timeline will make. */
   planned: readonly PlannedEvent[];
-  flows: ReadonlyMap<string, Flow>;
+  lost: ReadonlyMap<string, bigint>;
   full: boolean;
   selected: string;
   select: (instance: string) => void;
@@ -293,7 +293,7 @@ export const Wiring = memo(function Wiring(props: {
   inspect: (subject: Subject | undefined) => void;
   add: () => void;
 }) {
-  const { file, components, connections, buses, planned, flows, full, selected, select, open, rename, inspect, add } = props;
+  const { file, components, connections, buses, planned, lost, full, selected, select, open, rename, inspect, add } = props;
   const [nodes, setNodes, onNodesChange] = useNodesState<Shown>([]);
   const [arrangement, setArrangement] = useState<Arrangement & { shape: string }>();
   const [arranged, setArranged] = useState(() => sessionStorage.getItem(ARRANGED) !== "no");
@@ -518,7 +518,7 @@ export const Wiring = memo(function Wiring(props: {
     };
   }, [places, standing, connections, components, planned, arranged, arrangement]);
 
-  const drawn = useRef<ReadonlyMap<string, Wire>>(new Map());
+  const drawn = useRef<Wire[]>([]);
   const edges = useMemo(() => {
     const known = byInstance(components);
     const typeAt = ({ instance, port }: PortAddress): string => {
@@ -527,7 +527,7 @@ export const Wiring = memo(function Wiring(props: {
     };
     const joins = new Set(connections.map((each) => `${address(each.source)} ${address(each.target)}`));
     const now = connections.map((each): Wire => {
-      const flow = flows.get(each.name);
+      const count = lost.get(each.name);
       return {
         id: idOf(each.name),
         type: "wire",
@@ -537,11 +537,11 @@ export const Wiring = memo(function Wiring(props: {
         target: idOf(each.target.instance),
         targetHandle: idOf(each.target.port),
         selected: picked.has(idOf(each.name)),
-        ariaLabel: t(flow && flow.lost > 0n ? "connection {name} from {source} to {target}, {lost} samples lost" : "connection {name} from {source} to {target}", {
+        ariaLabel: t(count ? "connection {name} from {source} to {target}, {lost} samples lost" : "connection {name} from {source} to {target}", {
           name: each.name,
           source: `${each.source.instance}.${each.source.port}`,
           target: `${each.target.instance}.${each.target.port}`,
-          lost: flow?.lost ?? 0n,
+          lost: count ?? 0n,
         }),
       };
     });
@@ -560,13 +560,15 @@ export const Wiring = memo(function Wiring(props: {
         deletable: false,
         focusable: false,
       }));
-    const found = [...later, ...now].map((each) => {
-      const old = drawn.current.get(each.id);
+    const before = drawn.current;
+    const earlier = new Map(before.map((each) => [each.id, each]));
+    const after = [...later, ...now].map((each) => {
+      const old = earlier.get(each.id);
       return old && isSame(old, each) ? old : each;
     });
-    drawn.current = new Map(found.map((each) => [each.id, each]));
-    return found;
-  }, [connections, components, planned, flows, picked, routes]);
+    if (after.length !== before.length || after.some((each, i) => each !== before[i])) drawn.current = after;
+    return drawn.current;
+  }, [connections, components, planned, lost, picked, routes]);
 
   const begin = async (port: PortAddress) => {
     const drag = ++drags.current;

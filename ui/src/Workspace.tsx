@@ -61,7 +61,16 @@ export class Arranger {
   }
 }
 
-/** Why views have nothing to show; a reference, since the panes need not be drawn again for it. */
+/** Draws a view. In a context, since the panes need not be drawn again when what they show changes. */
+const Content = createContext<(view: View) => ReactNode>(() => null);
+
+function Shown({ view }: { view: View }) {
+  return useContext(Content)(view);
+}
+
+const renderContent = ({ data }: TabNode<View>) => <Shown view={data} />;
+
+/** Why views have nothing to show; a reference, for the same reason. */
 const Emptiness = createContext<RefObject<(view: View) => string>>({ current: () => "" });
 
 function Tab({ tab, props }: { tab: TabNode<View>; props: TabRenderProps }) {
@@ -180,22 +189,28 @@ export function Workspace({ handle, first, changed, content, emptiness }: Props)
   const latest = useRef(emptiness);
   latest.current = emptiness;
   const model = useMemo(() => ({ version: 1 as const, root: first }), []);
+  const drawn = useMemo(
+    () => (
+      <Panes<View>
+        className="panes"
+        workspaceRef={handle}
+        defaultModel={model}
+        onModelChanged={({ root }) => changed(written(root))}
+        renderTab={renderTab}
+        renderTabContent={renderContent}
+        renderTabsetToolbar={renderToolbar}
+        renderSeparator={renderSeparator}
+        hiddenTabBehavior={hidden}
+        lazyTabContent
+        tabsetMinWidth="240px"
+        tabsetMinHeight="120px"
+      />
+    ),
+    [handle, model, changed],
+  );
   return (
-    <Emptiness value={latest}>
-    <Panes<View>
-      className="panes"
-      workspaceRef={handle}
-      defaultModel={model}
-      onModelChanged={({ root }) => changed(written(root))}
-      renderTab={renderTab}
-      renderTabContent={({ data }) => content(data)}
-      renderTabsetToolbar={renderToolbar}
-      renderSeparator={renderSeparator}
-      hiddenTabBehavior={hidden}
-      lazyTabContent
-      tabsetMinWidth="240px"
-      tabsetMinHeight="120px"
-    />
-    </Emptiness>
+    <Content value={content}>
+      <Emptiness value={latest}>{drawn}</Emptiness>
+    </Content>
   );
 }

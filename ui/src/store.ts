@@ -60,6 +60,8 @@ export interface Page {
   beside: ReadonlyMap<string, string>;
   /** The counts of samples, by connection. */
   flows: ReadonlyMap<string, Flow>;
+  /** How many samples were lost, by connections that lose some: the same map while no more are lost. */
+  lost: ReadonlyMap<string, bigint>;
   /** The latencies of chains of connections. */
   chains: readonly Chain[];
   notice: string;
@@ -109,6 +111,7 @@ const unavailable: Page = {
   said: [],
   beside: new Map(),
   flows: new Map(),
+  lost: new Map(),
   chains: [],
   notice: "",
   announced: "",
@@ -343,7 +346,7 @@ export class Store {
         this.types.add(0, event.value.types);
         this.tracks.clear();
         this.traffic = new Traffic();
-        if (event.value.time.past || this.page.system?.time.past || begun(event.value) !== begun(this.page.system)) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map(), flows: new Map(), chains: [] };
+        if (event.value.time.past || this.page.system?.time.past || begun(event.value) !== begun(this.page.system)) this.page = { ...this.page, lines: [], statistics: new Map(), beside: new Map(), flows: new Map(), lost: new Map(), chains: [] };
         if (event.value.edits.file !== this.page.system?.edits.file) this.page = { ...this.page, zoom: undefined };
         this.page = { ...this.page, system: event.value, notice: "" };
         if (this.wanted !== undefined) {
@@ -450,7 +453,7 @@ export class Store {
         this.page = { ...this.page, chains: event.value };
         break;
       case "flows":
-        this.page = { ...this.page, flows: new Map(event.value.map((each) => [each.name, each])) };
+        this.page = { ...this.page, flows: new Map(event.value.map((each) => [each.name, each])), lost: lostOf(event.value, this.page.lost) };
         break;
       case "traffic":
         for (const frame of event.value) this.traffic.frame(frame);
@@ -513,6 +516,12 @@ export class Store {
 export const reasonOf = ({ done, message, hint }: Result): string => (done ? "" : [message, hint].filter(Boolean).join(": "));
 
 /** A value of a command in words. */
+/** The counts of lost samples by connection; the map before if none has changed. */
+function lostOf(flows: readonly Flow[], before: Page["lost"]): Page["lost"] {
+  const after = new Map(flows.filter(({ lost }) => lost > 0n).map(({ name, lost }) => [name, lost]));
+  return after.size === before.size && [...after].every(([name, lost]) => before.get(name) === lost) ? before : after;
+}
+
 const words = (value: unknown): string =>
   value && typeof value === "object" && !ArrayBuffer.isView(value)
     ? Object.values(value)

@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import asyncio
+import os
 import threading
 from collections.abc import Iterator
 from contextlib import ExitStack, suppress
 from http.client import HTTPConnection
 from pathlib import Path
 from select import select
-from socket import SHUT_WR, create_connection
+from socket import IPPROTO_TCP, SHUT_WR, TCP_NODELAY, create_connection, socket
 from typing import Any
 
 import pytest
@@ -178,6 +179,21 @@ def test_a_token_is_needed(served: Server) -> None:
     with opened(served, served.tokens.read_only) as socket:
         assert not events(socket)[0].greeting.full
         assert ask(socket, "played", True).code == "UIS0002"
+
+
+def test_small_answers_do_not_wait_for_an_acknowledgement(served: Server) -> None:
+    # Head and body are two segments: by Nagle's algorithm the second one waits up to 40 ms.
+    connection = HTTPConnection(served.host, served.port, timeout=60)
+    connection.request("GET", "/")
+    connection.getresponse().read()
+    peer = connection.sock.getsockname()
+    ends = []
+    for descriptor in Path("/proc/self/fd").iterdir():
+        with suppress(OSError), socket(fileno=os.dup(int(descriptor.name))) as end:
+            if end.getpeername() == peer:
+                ends.append(end.getsockopt(IPPROTO_TCP, TCP_NODELAY))
+    connection.close()
+    assert ends == [1]
 
 
 def test_two_pages_stay_in_step_and_one_that_reloads_finds_the_state(
