@@ -18,7 +18,7 @@ from rtgen.cli import run
 from rtgen.compiler.diagnostics.explain import MODULES
 from rtgen.compiler.kit import own_files
 from rtgen.facts import looks
-from rtgen.tools.kit import answers
+from rtgen.tools.kit import answers, pages
 
 TRIES = 10
 ROOT = Path(__file__).parents[3]
@@ -358,14 +358,20 @@ def test_rules_are_read_without_what_reports_them() -> None:
     assert not modules & {"dataclasses", "msgspec", "rtgen.compiler.model"}
 
 
-@pytest.mark.parametrize("code", ["IDL0200", "idl020", ""])
-def test_a_page_is_stored(
+@pytest.mark.parametrize("code", ["idl020", ""])
+def test_what_is_said_of_several_codes_is_stored(
     project: Path,
     code: str,
     monkeypatch: pytest.MonkeyPatch,
     capfd: pytest.CaptureFixture[str],
 ) -> None:
     printed(("explain", *filter(None, [code])), monkeypatch, capfd)
+
+
+def test_a_page_is_as_quick_without_a_stored_one(project: Path) -> None:
+    command = ["explain", "IDL0200"]
+    assert pages.explained(command) == 0
+    assert answers.repeat(command) is None
 
 
 def test_a_page_for_a_terminal_is_not_stored(

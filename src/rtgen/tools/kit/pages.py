@@ -1,6 +1,7 @@
 """The page of `rtgen explain CODE`, without the library of the command line.
 
-That library takes longer to import than all that a page needs.
+That library takes longer to import than all that a page needs. These pages are not stored: whether
+a stored one is still valid takes as long to find out.
 """
 
 from __future__ import annotations
@@ -13,9 +14,8 @@ from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.diagnostics.explain import rule_of, story
 from rtgen.compiler.kit import plugins, translation
 from rtgen.compiler.kit.project_file import interrupted_rename, language_of_project
-from rtgen.tools.kit.answering import answered
 from rtgen.tools.kit.console import write_out
-from rtgen.tools.kit.exits import FAILED, OK
+from rtgen.tools.kit.exits import OK
 
 _COMPLETION = "_RTGEN_COMPLETE"
 """The variable with which a shell asks for completions."""
@@ -33,10 +33,9 @@ def explained(arguments: Sequence[str]) -> int | None:
     try:
         if plugins.announced(*plugins.Group):
             return None
-        code = answered([*arguments], lambda: _print(arguments[1]))
+        return _print(arguments[1])
     except (OSError, ToolError):
         return None
-    return code if code == OK else None
 
 
 def _is_plain(arguments: Sequence[str]) -> bool:
@@ -49,9 +48,9 @@ def _is_plain(arguments: Sequence[str]) -> bool:
     )
 
 
-def _print(code: str) -> int:
+def _print(code: str) -> int | None:
     rule = rule_of(code) if interrupted_rename() is None else None
     if rule is None:
-        return FAILED
+        return None
     write_out(story(rule))
     return OK
