@@ -92,10 +92,11 @@ def _explored(module: Any, encoding: Any, case: int) -> dict[str, int]:
     from octets import VERSIONS
 
     format_ = Format(VERSIONS[encoding.name] or 0)
-    codecs = [
+    functions = [
         compiled(kind, encoding.type._descriptor_, format_)
         for kind in ("from_cdr", "to_cdr", "_snapshot_")
     ]
+    codecs = [getattr(each, "__self__", each) for each in functions]
     if not all(isinstance(codec, module.Codec) for codec in codecs):
         return {}
     counts = module.explore(

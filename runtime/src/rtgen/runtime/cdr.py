@@ -68,7 +68,10 @@ class _Compiled:
         version = descriptor.representation if form == "cdr" else int(form[-1])
         format_ = Format(version) if version else classic_format(descriptor)
         function = compiled(f"{way}_cdr", descriptor, format_)
-        return classmethod(function) if way == "from" else function
+        if way == "from":
+            return classmethod(function)
+        # A codec in C becomes a method of values, unlike its function.
+        return getattr(function, "__self__", function)
 
 
 _KINDS = ("to_cdr", "from_cdr", "to_xcdr1", "from_xcdr1", "to_xcdr2", "from_xcdr2")

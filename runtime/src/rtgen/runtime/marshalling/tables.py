@@ -78,7 +78,7 @@ _Entry: TypeAlias = tuple[Descriptor, bytes, Any]
 """A type, the octets of its type code, and a codec of its values; None if it has none (`null`)."""
 _Member: TypeAlias = tuple[str, int, int, int, bool, bool, bool]
 
-INTERFACE: Final = 2
+INTERFACE: Final = 3
 """The version of the tables and of the calls on `rtgen_speed`."""
 
 _MODES = {
@@ -167,7 +167,8 @@ def codec(
         number = identifier(descriptor, format_.version, False)
     name = f"{kind} of {descriptor.name}"
     bound = isinstance(descriptor, _DECLARED)
-    return module.Codec(table, root, mode, number, bound, name, in_python)
+    made = module.Codec(table, root, mode, number, bound, name, in_python)
+    return made if copies else made.direct
 
 
 def _head_of_any(module: ModuleType, type_: Any, little: bool) -> _Entry | None:
