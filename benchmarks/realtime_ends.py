@@ -75,7 +75,7 @@ def rtgen(kind: str, components: int, rate: float, meter: Meter) -> Any:
 
 
 def loop(components: int, rate: float, meter: Meter) -> Any:
-    """Return a function that calls functions in a bare loop."""
+    """Return a function that calls functions in a bare loop, without those that it has missed."""
 
     def run(seconds: float) -> None:
         period = round(NS / rate)
@@ -90,7 +90,8 @@ def loop(components: int, rate: float, meter: Meter) -> Any:
                 time.sleep(delay / NS)
             for call in calls:
                 call()
-            due += period
+            missed = max(0, time.monotonic_ns() - due) // period
+            due += (1 + missed) * period
 
     return run
 
