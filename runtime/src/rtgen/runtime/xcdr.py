@@ -7,6 +7,7 @@ DELIMITED_CDR and PL_CDR2, depending on the extensibility of each type.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from enum import IntEnum
 from typing import Any, TypeVar
 
@@ -66,22 +67,31 @@ def serialize(value: DataType, representation: Representation) -> bytes:
 
 def deserialize(type_: type[_T], payload: Buffer) -> _T:
     """Return the value of a payload; raises CdrError."""
-    octets = _octets(type_, payload)
+    octets = payload if payload.__class__ is bytes else _octets(type_, payload)
     if len(octets) < 4:
         raise CdrError(_name(type_), "the encapsulation header is truncated")
+    head = octets[:2]
+    decoders = type_._descriptor_.codecs
+    if head not in decoders:
+        decoders[head] = _decoder(type_, head)
+    function, little_endian = decoders[head]
+    end = len(octets) - (octets[3] & 3)
+    value: _T = function(type_, octets[4 : max(end, 4)], little_endian)
+    return value
+
+
+def _decoder(type_: type[DataType], head: bytes) -> tuple[Callable[..., Any], bool]:
+    """Return the decoder of bodies after this identifier, and the byte order; raises CdrError."""
+    number = int.from_bytes(head, "big")
     try:
-        representation = Representation(octets[0] << 8 | octets[1])
+        representation = Representation(number)
     except ValueError:
-        number = octets[0] << 8 | octets[1]
         message = f"{number:#06x} is not an encapsulation of XCDR"
         raise CdrError(_name(type_), message) from None
     _check_kind(type_, representation)
-    end = len(octets) - (octets[3] & 3)
-    body = octets[4 : max(end, 4)]
-    value: _T = decode(
-        type_, body, representation.version, representation.little_endian
-    )
-    return value
+    format_ = Format(representation.version)
+    function = compiled("from_cdr", type_._descriptor_, format_)
+    return function, representation.little_endian
 
 
 def _check_kind(type_: type[DataType], representation: Representation) -> None:

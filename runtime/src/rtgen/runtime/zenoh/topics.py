@@ -185,10 +185,13 @@ class ZenohSubscription:
             self._received(received)
 
     def _received(self, received: zenoh.Sample) -> None:
-        if self._closed or received.kind != zenoh.SampleKind.PUT:
+        if self._closed:
+            return
+        octets = received.payload.to_bytes()
+        # Deletions have no payload, and values some: each question to Zenoh takes its time.
+        if not octets and received.kind != zenoh.SampleKind.PUT:
             return
         self._deadline.met()
-        octets = received.payload.to_bytes()
         info = received.source_info
         if info is None:
             self._on_sample(Sample(octets, None))
