@@ -189,7 +189,9 @@ def test_small_answers_do_not_wait_for_an_acknowledgement(served: Server) -> Non
     peer = connection.sock.getsockname()
     ends = []
     for descriptor in Path("/proc/self/fd").iterdir():
-        with suppress(OSError), socket(fileno=os.dup(int(descriptor.name))) as end:
+        if not descriptor.is_socket():
+            continue
+        with socket(fileno=os.dup(int(descriptor.name))) as end, suppress(OSError):
             if end.getpeername() == peer:
                 ends.append(end.getsockopt(IPPROTO_TCP, TCP_NODELAY))
     connection.close()
