@@ -68,10 +68,9 @@ class _Compiled:
         version = descriptor.representation if form == "cdr" else int(form[-1])
         format_ = Format(version) if version else classic_format(descriptor)
         function = compiled(f"{way}_cdr", descriptor, format_)
-        if way == "from":
-            return classmethod(function)
-        # A codec in C becomes a method of values, unlike its function.
-        return getattr(function, "__self__", function)
+        # A codec in C becomes a method, and is unwrapped to Python, unlike the function of it.
+        codec = getattr(function, "__self__", function)
+        return classmethod(codec) if way == "from" else codec
 
 
 _KINDS = ("to_cdr", "from_cdr", "to_xcdr1", "from_xcdr1", "to_xcdr2", "from_xcdr2")
