@@ -5,11 +5,11 @@
 1 to 1,000 components that do nothing, at 10 Hz to 1 kHz, each case in a process of its own:
 `shared`, rtgen; `own`, rtgen with a thread for each component; `relays`, rtgen with a chain of
 components that pass on samples; `loop`, functions in a bare loop with absolute deadlines that, as
-contexts do, leaves out what it has missed: the machine alone makes it lose ticks; `rclpy`, timers
-of one node in its executor; `openrtm`, components in the manager of OpenRTM-aist-Python. The last
-two where they are installed. Rounds of the kinds alternate; figures are medians of rounds: the part
-of a core that the process takes, processor time for each tick, ticks that did not happen, and how
-far the intervals between the ticks of one component are from its period (median, 99 %).
+contexts do, makes up for the latest missed tick alone: what it loses, the machine loses; `rclpy`,
+timers of one node in its executor; `openrtm`, components in the manager of OpenRTM-aist-Python. The
+last two where they are installed. Rounds of the kinds alternate; figures are medians of rounds: the
+part of a core that the process takes, processor time for each tick, ticks that did not happen, and
+how far the intervals between the ticks of one component are from its period (median, 99 %).
 """
 
 from __future__ import annotations
