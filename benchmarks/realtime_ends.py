@@ -75,7 +75,7 @@ def rtgen(kind: str, components: int, rate: float, meter: Meter) -> Any:
 
 
 def loop(components: int, rate: float, meter: Meter) -> Any:
-    """Return a function that calls functions in a bare loop; of missed ones, it calls the latest."""
+    """Return a function that calls functions in a bare loop; of missed ones, it calls the last."""
 
     def run(seconds: float) -> None:
         period = round(NS / rate)
