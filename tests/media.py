@@ -15,11 +15,11 @@ from typing import TYPE_CHECKING, Any, Protocol
 
 import pytest
 from free_ports import free_port
+from in_process import Network
 from msgspec.structs import astuple
 
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated
-from rtgen.runtime.distribution.in_process import Network
 from rtgen.runtime.distribution.medium import (
     Client,
     Medium,

@@ -18,6 +18,7 @@ from typing import Any
 
 import pytest
 from distributed_system import Process, arrived, sample
+from in_process import Network
 from patience import PATIENCE, until
 from seeds import cases
 
@@ -37,7 +38,6 @@ from rtgen.runtime.dds.medium import DdsMedium, configuration
 from rtgen.runtime.dds.numbers import DOUBLE, Numbers, numbered, plain
 from rtgen.runtime.dds.types import idl_class
 from rtgen.runtime.distribution.data import encoder
-from rtgen.runtime.distribution.in_process import Network
 from rtgen.runtime.distribution.medium import (
     MediumError,
     PublishTimeoutError,

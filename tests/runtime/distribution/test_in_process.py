@@ -5,9 +5,9 @@ from __future__ import annotations
 import threading
 
 import pytest
+from in_process import Network
 
 from refrobots._idl.basic_data_type import TimedDouble
-from rtgen.runtime.distribution.in_process import Network
 from rtgen.runtime.distribution.medium import (
     MediumError,
     NotServedError,

@@ -11,6 +11,7 @@ from typing import Any
 
 import pytest
 from attached_page import Watching
+from in_process import Network
 from mcap.reader import make_reader
 from ui_bench import QUIET
 
@@ -18,7 +19,6 @@ from refrobots.rtc import Time, TimedDouble, TimedLong
 from rtgen import runtime
 from rtgen.cli import run as rtgen
 from rtgen.runtime import xcdr
-from rtgen.runtime.distribution.in_process import Network
 from rtgen.runtime.distribution.transport import DistributedTransport
 from rtgen.runtime.return_codes import RTC_OK, ReturnCode_t
 from rtgen.tools.recording.mcap_writer import McapWriter

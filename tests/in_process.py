@@ -1,4 +1,4 @@
-"""A medium within one process, for tests: several media of one `Network` see each other."""
+"""A medium within one process: several media of one `Network` see each other."""
 
 from __future__ import annotations
 
