@@ -11,6 +11,7 @@ import omniORB
 from omniORB import CORBA, PortableServer
 
 from rtgen.runtime.errors import TransportError
+from rtgen.runtime.freed_memory import keep_freed_memory
 
 _POLL_INTERVAL = 0.005
 _RELEASE_TIME = 0.05
@@ -29,6 +30,7 @@ class Orb:
     """
 
     def __init__(self, host: str = LOOPBACK, timeout: float = 2.0) -> None:
+        keep_freed_memory()
         self._owned = omniORB.orb is None
         self._milliseconds = max(1, round(timeout * 1000))
         milliseconds = str(self._milliseconds)

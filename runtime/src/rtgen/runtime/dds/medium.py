@@ -39,6 +39,7 @@ from rtgen.runtime.distribution.medium import (
     check_lease,
     check_name,
 )
+from rtgen.runtime.freed_memory import keep_freed_memory
 
 _T = TypeVar("_T", bound=Token)
 
@@ -154,6 +155,7 @@ class DdsEngine:
     """
 
     def __init__(self, domain: int, config: str, *policies: Any) -> None:
+        keep_freed_memory()
         self._domain = domain
         self._closed = False
         self._open: list[Token] = []

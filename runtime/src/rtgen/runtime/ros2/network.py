@@ -28,7 +28,6 @@ from rtgen.runtime.distribution.medium import (
     Topic,
 )
 from rtgen.runtime.failures import log
-from rtgen.runtime.freed_memory import keep_freed_memory
 from rtgen.runtime.ros2.qos import QosWatch
 from rtgen.runtime.ros2.turns import Turns
 from rtgen.runtime.ros2.types import (
@@ -172,7 +171,6 @@ class RosNetwork:
     """
 
     def __init__(self, medium: Messaging[RosTopic, RosQos, RosService]) -> None:
-        keep_freed_memory()
         self.medium = medium
         self.turns: Turns | None = None
         """In simulated time, what does the work of messages and requests."""

@@ -23,6 +23,7 @@ from rclpy.qos import (
 
 from rtgen.facts.ros_qos import PROFILES, Profile
 from rtgen.runtime.distribution.medium import MediumError, OnRequest, OnSample, Token
+from rtgen.runtime.freed_memory import keep_freed_memory
 from rtgen.runtime.ros2.network import (
     Ros2Error,
     RosNetwork,
@@ -71,6 +72,7 @@ class RosRclpy:
     """
 
     def __init__(self, node: RosNode) -> None:
+        keep_freed_memory()
         self._node = node
         self._lock = threading.Lock()
         self._nodes: dict[str, Node] = {}

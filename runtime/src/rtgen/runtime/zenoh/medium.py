@@ -26,6 +26,7 @@ from rtgen.runtime.distribution.medium import (
     check_lease,
     check_name,
 )
+from rtgen.runtime.freed_memory import keep_freed_memory
 from rtgen.runtime.zenoh.declared import Declared
 from rtgen.runtime.zenoh.keys import Keys
 from rtgen.runtime.zenoh.services import OneServerClient, ZenohService
@@ -43,6 +44,7 @@ class ZenohEngine:
     """One process's session, with its declarations."""
 
     def __init__(self, session: zenoh.Session) -> None:
+        keep_freed_memory()
         self._session = session
         self._kept: set[Declared] = set()
 
