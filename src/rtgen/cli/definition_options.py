@@ -5,10 +5,10 @@ from __future__ import annotations
 import functools
 import gc
 from collections.abc import Callable, Sequence
-from typing import Any
 
 import click
 
+from rtgen.cli.help import gathered
 from rtgen.cli.options import P
 from rtgen.cli.parameter_types import WholeRange
 from rtgen.compiler.project import PRELUDES, TARGETS
@@ -16,30 +16,35 @@ from rtgen.facts.decoded_text import NAMES
 from rtgen.tools.compiling.definitions import Definitions
 
 
+def _macros(
+    context: click.Context, parameter: click.Parameter, values: Sequence[str]
+) -> tuple[tuple[str, str], ...]:
+    macros = []
+    for text in values:
+        name, equals, value = text.partition("=")
+        if not (name.isascii() and name.isidentifier()):
+            raise click.BadParameter(
+                f"{name!r} is not an identifier", context, parameter
+            )
+        macros.append((name, value if equals else "1"))
+    return tuple(macros)
+
+
 def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
     """Add PATH and the options for reading definitions; the function gets `definitions`.
 
     The model lives until the end, so garbage collection is off meanwhile.
     """
-
-    @functools.wraps(command)
-    def wrapped(*args: Any, **kwargs: Any) -> int:
-        definitions = {name: kwargs.pop(name) for name in Definitions.__struct_fields__}
-        definitions["define"] = tuple(definitions["define"])
-        return command(*args, definitions=Definitions(**definitions), **kwargs)
-
-    function = _without_garbage_collection(wrapped)
-    for decorate in (
-        with_encoding,
+    add = gathered(
+        "definitions",
+        Definitions,
+        click.argument("paths", nargs=-1, metavar="[PATH]..."),
         click.option(
-            "--prelude",
-            type=click.Choice(PRELUDES),
-            help="Types that CDL files have without an import; default: kernel.",
-        ),
-        click.option(
-            "--ignore-case-clashes",
-            is_flag=True,
-            help="Treat names that differ only in case as different names.",
+            "-I",
+            "include",
+            multiple=True,
+            metavar="DIR",
+            help="Search DIR for included files.",
         ),
         click.option(
             "-D",
@@ -50,16 +55,18 @@ def with_definitions(command: Callable[..., int]) -> Callable[..., int]:
             help="Define a macro of the preprocessor.",
         ),
         click.option(
-            "-I",
-            "include",
-            multiple=True,
-            metavar="DIR",
-            help="Search DIR for included files.",
+            "--ignore-case-clashes",
+            is_flag=True,
+            help="Treat names that differ only in case as different names.",
         ),
-        click.argument("paths", nargs=-1, metavar="[PATH]..."),
-    ):
-        function = decorate(function)
-    return function
+        click.option(
+            "--prelude",
+            type=click.Choice(PRELUDES),
+            help="Types that CDL files have without an import; default: kernel.",
+        ),
+        with_encoding,
+    )
+    return add(_without_garbage_collection(command))
 
 
 def with_encoding(function: Callable[..., int]) -> Callable[..., int]:
@@ -124,17 +131,3 @@ def with_node_id(function: Callable[P, int]) -> Callable[P, int]:
         metavar="N",
         help="Read CANopen devices as node N; default: a DCF's own node-id.",
     )(function)
-
-
-def _macros(
-    context: click.Context, parameter: click.Parameter, values: Sequence[str]
-) -> list[tuple[str, str]]:
-    macros = []
-    for text in values:
-        name, equals, value = text.partition("=")
-        if not (name.isascii() and name.isidentifier()):
-            raise click.BadParameter(
-                f"{name!r} is not an identifier", context, parameter
-            )
-        macros.append((name, value if equals else "1"))
-    return macros

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import functools
 import inspect
 from collections.abc import Callable, Sequence
 from itertools import zip_longest
@@ -53,10 +54,8 @@ def language_of(arguments: Sequence[str]) -> str | None:
         name, equals, value = argument.partition("=")
         if argument == "--":
             break
-        if (
-            name == "--language"
-            and (text := value if equals else following) in LANGUAGES
-        ):
+        text = value if equals else following
+        if name == "--language" and text in LANGUAGES:
             chosen = text
     return chosen
 
@@ -72,6 +71,33 @@ def grouped(title: str, *options: Callable[[F], F]) -> Callable[[F], F]:
         before = vars(function).get(_TITLES, {})
         vars(function)[_TITLES] = {**dict.fromkeys(names, title), **before}
         return function
+
+    return decorate
+
+
+def gathered(
+    name: str,
+    make: Callable[..., object],
+    *options: Callable[[F], F],
+    title: str = "Options",
+) -> Callable[[Callable[..., int]], Callable[..., int]]:
+    """Return a decorator that adds options; the function gets one value for them all, as `name`.
+
+    `make` gets their values by their names, and returns that value.
+    """
+
+    def decorate(function: Callable[..., int]) -> Callable[..., int]:
+        added = len(_parameters(function))
+
+        @functools.wraps(function)
+        def wrapped(*args: Any, **kwargs: Any) -> int:
+            values = {each: kwargs.pop(each) for each in names}
+            return function(*args, **{name: make(**values)}, **kwargs)
+
+        adding: Callable[[Any], Any] = grouped(title, *options)
+        decorated: Callable[..., int] = adding(wrapped)
+        names = [str(each.name) for each in _parameters(decorated)[added:]]
+        return decorated
 
     return decorate
 

@@ -2,13 +2,9 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
-from typing import Any
-
 import click
 
-from rtgen.cli.help import grouped
+from rtgen.cli.help import gathered, grouped
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.facts.threads import Threads
 from rtgen.facts.value_checks import CheckValues
@@ -21,53 +17,45 @@ RATE = FiniteRange(1e-6, 1e6)
 """Type of the options for the factor."""
 
 
-def with_failures(command: Callable[..., int]) -> Callable[..., int]:
-    """Add --traceback, --pdb, -v and --fail-on; the function gets `shown_failures`."""
+def _failures(
+    *, traceback_form: str, debug: bool, verbose: int, fail_on: str
+) -> FailureOptions:
+    return FailureOptions(traceback_form, debug, verbose, fail_on == "error")
 
-    @functools.wraps(command)
-    def wrapped(
-        *args: Any,
-        traceback_form: str,
-        debug: bool,
-        verbose: int,
-        fail_on: str,
-        **kwargs: Any,
-    ) -> int:
-        counted = fail_on == "error"
-        options = FailureOptions(traceback_form, debug, verbose, counted)
-        return command(*args, shown_failures=options, **kwargs)
 
-    return grouped(
-        "Failures",
-        click.option(
-            "--fail-on",
-            type=click.Choice(["error", "never"]),
-            default="error",
-            metavar="WHAT",
-            help="Exit code 1 if components fail: error, never.",
-        ),
-        click.option(
-            "--traceback",
-            "traceback_form",
-            type=click.Choice(["none", "short", "full"]),
-            default="short",
-            metavar="FORM",
-            help="Where component code failed: none, short, full.",
-        ),
-        click.option(
-            "--pdb",
-            "debug",
-            is_flag=True,
-            help="Open the debugger where component code raises.",
-        ),
-        click.option(
-            "-v",
-            "--verbose",
-            "verbose",
-            count=True,
-            help="Print messages of the runtime; -vv: all.",
-        ),
-    )(wrapped)
+with_failures = gathered(
+    "shown_failures",
+    _failures,
+    click.option(
+        "--fail-on",
+        type=click.Choice(["error", "never"]),
+        default="error",
+        metavar="WHAT",
+        help="Exit code 1 if components fail: error, never.",
+    ),
+    click.option(
+        "--traceback",
+        "traceback_form",
+        type=click.Choice(["none", "short", "full"]),
+        default="short",
+        metavar="FORM",
+        help="Where component code failed: none, short, full.",
+    ),
+    click.option(
+        "--pdb",
+        "debug",
+        is_flag=True,
+        help="Open the debugger where component code raises.",
+    ),
+    click.option(
+        "-v",
+        "--verbose",
+        "verbose",
+        count=True,
+        help="Print messages of the runtime; -vv: all.",
+    ),
+    title="Failures",
+)
 
 
 with_value_checks = grouped(
@@ -129,69 +117,48 @@ def _place(
     return host.strip("[]") or _LOOPBACK, int(port)
 
 
-def with_live(command: Callable[..., int]) -> Callable[..., int]:
-    """Add the options to a command; the function gets them as `live`."""
-
-    @grouped(
-        "Results",
-        click.option(
-            "--foxglove",
-            "place",
-            is_flag=False,
-            flag_value=str(_PORT),
-            callback=_place,
-            metavar="[[HOST:]PORT]",
-            help=f"Serve the run to Foxglove, at {_LOOPBACK}:{_PORT}.",
-        ),
-        click.option(
-            "--rate",
-            type=RATE,
-            metavar="FACTOR",
-            help="Simulated seconds per second.",
-        ),
-        click.option(
-            "--threads",
-            type=click.Choice([each.value for each in Threads]),
-            metavar="WHICH",
-            help="In real time: shared (one), or own.",
-        ),
-    )
-    @functools.wraps(command)
-    def wrapped(
-        *args: Any,
-        place: tuple[str, int] | None,
-        rate: float | None,
-        threads: str | None,
-        **kwargs: Any,
-    ) -> int:
-        return command(*args, live=LiveOptions(place, rate, threads), **kwargs)
-
-    return wrapped
+with_live = gathered(
+    "live",
+    LiveOptions,
+    click.option(
+        "--foxglove",
+        "place",
+        is_flag=False,
+        flag_value=str(_PORT),
+        callback=_place,
+        metavar="[[HOST:]PORT]",
+        help=f"Serve the run to Foxglove, at {_LOOPBACK}:{_PORT}.",
+    ),
+    click.option(
+        "--rate",
+        type=RATE,
+        metavar="FACTOR",
+        help="Simulated seconds per second.",
+    ),
+    click.option(
+        "--threads",
+        type=click.Choice([each.value for each in Threads]),
+        metavar="WHICH",
+        help="In real time: shared (one), or own.",
+    ),
+    title="Results",
+)
 
 
-def with_recording(command: Callable[..., int]) -> Callable[..., int]:
-    """Add the options to a command; the function gets them as `recording`."""
-
-    @grouped(
-        "Results",
-        click.option(
-            "--record",
-            "recorded",
-            metavar="FILE.mcap",
-            help="Record all events as MCAP; with --ros2, topics as a bag.",
-        ),
-        click.option(
-            "--compression",
-            type=click.Choice(COMPRESSIONS),
-            metavar="NAME",
-            help="Of --record: zstd (default), lz4 or none.",
-        ),
-    )
-    @functools.wraps(command)
-    def wrapped(
-        *args: Any, recorded: str | None, compression: str | None, **kwargs: Any
-    ) -> int:
-        options = RecordingOptions(recorded, compression)
-        return command(*args, recording=options, **kwargs)
-
-    return wrapped
+with_recording = gathered(
+    "recording",
+    lambda *, recorded, compression: RecordingOptions(recorded, compression),
+    click.option(
+        "--record",
+        "recorded",
+        metavar="FILE.mcap",
+        help="Record all events as MCAP; with --ros2, topics as a bag.",
+    ),
+    click.option(
+        "--compression",
+        type=click.Choice(COMPRESSIONS),
+        metavar="NAME",
+        help="Of --record: zstd (default), lz4 or none.",
+    ),
+    title="Results",
+)

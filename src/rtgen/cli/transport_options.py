@@ -2,14 +2,11 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
-from dataclasses import fields
 from typing import Any
 
 import click
 
-from rtgen.cli.help import grouped
+from rtgen.cli.help import gathered
 from rtgen.cli.parameter_types import FiniteRange, Place, WholeRange
 from rtgen.compiler.kit import plugins
 from rtgen.compiler.project import TRANSPORTS
@@ -109,7 +106,9 @@ class _Transport(click.Choice[str]):
         return super().convert(value, param, ctx)
 
 
-_OPTIONS = (
+with_transport = gathered(
+    "carrying",
+    TransportOptions,
     click.option(
         "--transport",
         type=_Transport(),
@@ -146,15 +145,5 @@ _OPTIONS = (
         metavar="SECONDS",
         help="For other processes; default: 30.",
     ),
+    title=PROCESSES,
 )
-
-
-def with_transport(command: Callable[..., int]) -> Callable[..., int]:
-    """Add the options to a command; the function gets them as `carrying`."""
-
-    @functools.wraps(command)
-    def wrapped(*args: Any, **kwargs: Any) -> int:
-        options = {f.name: kwargs.pop(f.name) for f in fields(TransportOptions)}
-        return command(*args, carrying=TransportOptions(**options), **kwargs)
-
-    return grouped(PROCESSES, *_OPTIONS)(wrapped)

@@ -2,15 +2,12 @@
 
 from __future__ import annotations
 
-import functools
-from collections.abc import Callable
 from pathlib import Path
-from typing import ParamSpec, TypeVar
 
 import click
 import msgspec
 
-from rtgen.cli.help import grouped
+from rtgen.cli.help import gathered
 from rtgen.cli.parameter_types import FiniteRange
 from rtgen.compiler.kit.translation import translated, translated_word
 from rtgen.facts.columns import table
@@ -22,9 +19,6 @@ from rtgen.tools.can.live.node_file import NodeFile, read_node, require_new, wri
 from rtgen.tools.kit.console import Console, write_out, write_text
 from rtgen.tools.kit.exits import INTERRUPTED, NO, OK, Refusal
 from rtgen.tools.kit.signals import terminable
-
-P = ParamSpec("P")
-R = TypeVar("R")
 
 _LONGEST_TIMEOUT = 0.5
 """Seconds to wait for a response at most; `--for` shortens it."""
@@ -39,58 +33,61 @@ class NodeFileOptions(msgspec.Struct, frozen=True):
     rate: float
 
 
-def with_node_file(function: Callable[P, R]) -> Callable[..., R]:
-    """Add -o, --range, --limit and --rate; the function gets `reading`."""
+def _ranges(
+    context: click.Context, parameter: click.Parameter, values: tuple[str, ...]
+) -> tuple[range, ...]:
+    ranges = []
+    for text in values:
+        first, _, last = text.partition("-")
+        try:
+            low, high = int(first, 16), int(last or first, 16)
+        except ValueError:
+            low, high = 0, 0
+        if not 0x1000 <= low <= high <= 0xFFFF:
+            message = f"{text!r} is not FROM-TO in hexadecimal, from 1000 to FFFF"
+            raise click.BadParameter(message, context, parameter)
+        ranges.append(range(low, high + 1))
+    return tuple(ranges)
 
-    @grouped(
-        "Description of a node (--eds NODE)",
-        click.option(
-            "-o",
-            "output",
-            type=click.Path(dir_okay=False, path_type=Path),
-            metavar="FILE",
-            help="A new file; default: node_ID.eds.",
-        ),
-        click.option(
-            "--range",
-            "ranges",
-            multiple=True,
-            metavar="FROM-TO",
-            callback=_ranges,
-            help="Indices to scan, such as 2000-20FF; may be repeated; "
-            "default: 1000-1FFF, 2000-5FFF and 6000-9FFF. Known communication objects and "
-            "mapped objects are always read.",
-        ),
-        click.option(
-            "--limit",
-            type=FiniteRange(min=0, min_open=True),
-            default=600.0,
-            show_default=True,
-            metavar="SECONDS",
-            help="Time for all objects; then the file is partial.",
-        ),
-        click.option(
-            "--rate",
-            type=FiniteRange(min=1),
-            default=1000.0,
-            show_default=True,
-            metavar="N",
-            help="Most requests in a second.",
-        ),
-    )
-    @functools.wraps(function)
-    def wrapped(
-        output: Path | None,
-        ranges: tuple[range, ...],
-        limit: float,
-        rate: float,
-        *args: P.args,
-        **kwargs: P.kwargs,
-    ) -> R:
-        reading = NodeFileOptions(output, ranges, limit, rate)
-        return function(*args, reading=reading, **kwargs)  # type: ignore[arg-type]
 
-    return wrapped
+with_node_file = gathered(
+    "reading",
+    NodeFileOptions,
+    click.option(
+        "-o",
+        "output",
+        type=click.Path(dir_okay=False, path_type=Path),
+        metavar="FILE",
+        help="A new file; default: node_ID.eds.",
+    ),
+    click.option(
+        "--range",
+        "ranges",
+        multiple=True,
+        metavar="FROM-TO",
+        callback=_ranges,
+        help="Indices to scan, such as 2000-20FF; may be repeated; "
+        "default: 1000-1FFF, 2000-5FFF and 6000-9FFF. Known communication objects and "
+        "mapped objects are always read.",
+    ),
+    click.option(
+        "--limit",
+        type=FiniteRange(min=0, min_open=True),
+        default=600.0,
+        show_default=True,
+        metavar="SECONDS",
+        help="Time for all objects; then the file is partial.",
+    ),
+    click.option(
+        "--rate",
+        type=FiniteRange(min=1),
+        default=1000.0,
+        show_default=True,
+        metavar="N",
+        help="Most requests in a second.",
+    ),
+    title="Description of a node (--eds NODE)",
+)
 
 
 def node_to_read(node_files: NodeFiles) -> tuple[str | None, NodeFiles]:
@@ -153,20 +150,3 @@ def _print(node_file: NodeFile) -> None:
         write_out(f"{line}\n")
     for line in node_file.description.refused:
         write_text(f"not described: {line}\n")
-
-
-def _ranges(
-    context: click.Context, parameter: click.Parameter, values: tuple[str, ...]
-) -> tuple[range, ...]:
-    ranges = []
-    for text in values:
-        first, _, last = text.partition("-")
-        try:
-            low, high = int(first, 16), int(last or first, 16)
-        except ValueError:
-            low, high = 0, 0
-        if not 0x1000 <= low <= high <= 0xFFFF:
-            message = f"{text!r} is not FROM-TO in hexadecimal, from 1000 to FFFF"
-            raise click.BadParameter(message, context, parameter)
-        ranges.append(range(low, high + 1))
-    return tuple(ranges)

@@ -2,112 +2,16 @@
 
 from __future__ import annotations
 
-import functools
 from collections.abc import Callable
 from pathlib import Path
-from typing import Any, ParamSpec, TypeVar
+from typing import Any
 
 import click
 
-from rtgen.cli.help import grouped
+from rtgen.cli.help import gathered
 from rtgen.cli.parameter_types import FiniteRange, WholeRange
 from rtgen.runtime.canopen.bus.python_can import Option, option
 from rtgen.tools.can.access import CHANNEL, BusAccess, NodeFiles
-
-P = ParamSpec("P")
-R = TypeVar("R")
-
-
-def with_bus(function: Callable[P, R]) -> Callable[..., R]:
-    """Add --interface, --channel, --bitrate and --option; the function gets `access`."""
-
-    @grouped(
-        "Bus",
-        click.option(
-            "--interface",
-            metavar="NAME",
-            help="python-can's: socketcan, socketcand, slcan, ...",
-        ),
-        click.option("--channel", metavar="NAME", help=f"Default: {CHANNEL}."),
-        click.option(
-            "--bitrate",
-            type=WholeRange(min=1),
-            metavar="N",
-            help="In bit/s; default: the interface's.",
-        ),
-        click.option(
-            "--option",
-            "further",
-            multiple=True,
-            metavar="KEY=VALUE",
-            callback=_arguments,
-            help="For the interface, such as host=127.0.0.1.",
-        ),
-    )
-    @functools.wraps(function)
-    def wrapped(
-        interface: str | None,
-        channel: str | None,
-        bitrate: int | None,
-        further: dict[str, Option],
-        *args: P.args,
-        **kwargs: P.kwargs,
-    ) -> R:
-        access = BusAccess(interface, channel, bitrate, further)
-        return function(*args, access=access, **kwargs)  # type: ignore[arg-type]
-
-    return wrapped
-
-
-def with_nodes(function: Callable[P, R]) -> Callable[..., R]:
-    """Add --bus and --eds; the function gets `node_files`."""
-
-    @grouped(
-        "Bus",
-        click.option(
-            "--bus",
-            "bus_file",
-            type=click.Path(dir_okay=False, path_type=Path),
-            metavar="FILE",
-            help="Bus file with the nodes; default: the project's.",
-        ),
-        click.option(
-            "--eds",
-            "descriptions",
-            multiple=True,
-            metavar="NODE-ID=FILE",
-            callback=_descriptions,
-            help="EDS, DCF, XDD or XDC of a node; a DCF or XDC may have its id.",
-        ),
-    )
-    @functools.wraps(function)
-    def wrapped(
-        bus_file: Path | None,
-        descriptions: list[tuple[int | None, Path]],
-        *args: P.args,
-        **kwargs: P.kwargs,
-    ) -> R:
-        node_files = NodeFiles(bus_file, tuple(descriptions))
-        return function(*args, node_files=node_files, **kwargs)  # type: ignore[arg-type]
-
-    return wrapped
-
-
-def with_span(function: Callable[P, R]) -> Callable[P, R]:
-    """Add --for and --count; the function gets `seconds` and `count`."""
-    function = click.option(
-        "--for",
-        "seconds",
-        type=FiniteRange(min=0, min_open=True),
-        metavar="SECONDS",
-        help="Stop after this time; default: at Ctrl-C.",
-    )(function)
-    return click.option(
-        "--count",
-        type=WholeRange(min=1),
-        metavar="N",
-        help="Stop after N frames.",
-    )(function)
 
 
 def _arguments(
@@ -124,7 +28,7 @@ def _arguments(
 
 def _descriptions(
     context: click.Context, parameter: click.Parameter, values: tuple[Any, ...]
-) -> list[tuple[int | None, Path]]:
+) -> tuple[tuple[int | None, Path], ...]:
     descriptions: list[tuple[int | None, Path]] = []
     for text in values:
         node, equals, path = text.partition("=")
@@ -139,4 +43,69 @@ def _descriptions(
             message = f"{node!r} is not a node-id (1 to 127)"
             raise click.BadParameter(message, context, parameter)
         descriptions.append((node_id, Path(path)))
-    return descriptions
+    return tuple(descriptions)
+
+
+with_bus = gathered(
+    "access",
+    BusAccess,
+    click.option(
+        "--interface",
+        metavar="NAME",
+        help="python-can's: socketcan, socketcand, slcan, ...",
+    ),
+    click.option("--channel", metavar="NAME", help=f"Default: {CHANNEL}."),
+    click.option(
+        "--bitrate",
+        type=WholeRange(min=1),
+        metavar="N",
+        help="In bit/s; default: the interface's.",
+    ),
+    click.option(
+        "--option",
+        "further",
+        multiple=True,
+        metavar="KEY=VALUE",
+        callback=_arguments,
+        help="For the interface, such as host=127.0.0.1.",
+    ),
+    title="Bus",
+)
+
+with_nodes = gathered(
+    "node_files",
+    NodeFiles,
+    click.option(
+        "--bus",
+        "bus_file",
+        type=click.Path(dir_okay=False, path_type=Path),
+        metavar="FILE",
+        help="Bus file with the nodes; default: the project's.",
+    ),
+    click.option(
+        "--eds",
+        "descriptions",
+        multiple=True,
+        metavar="NODE-ID=FILE",
+        callback=_descriptions,
+        help="EDS, DCF, XDD or XDC of a node; a DCF or XDC may have its id.",
+    ),
+    title="Bus",
+)
+
+
+def with_span(function: Callable[..., int]) -> Callable[..., int]:
+    """Add --for and --count; the function gets `seconds` and `count`."""
+    function = click.option(
+        "--for",
+        "seconds",
+        type=FiniteRange(min=0, min_open=True),
+        metavar="SECONDS",
+        help="Stop after this time; default: at Ctrl-C.",
+    )(function)
+    return click.option(
+        "--count",
+        type=WholeRange(min=1),
+        metavar="N",
+        help="Stop after N frames.",
+    )(function)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import islice
-
 import click
 
 from rtgen.cli.help import command
@@ -66,11 +64,7 @@ def _decoded(function: Function, request: str | None, reply: str | None) -> Json
     if arguments is not None:
         kept = function.kept(arguments)
         return function.result_to_json(*function.decode_reply(data, kept))
-    failure: RpcError | None = None
-    for kept in islice(function.guesses(len(data)), 100_000):
-        try:
-            return function.result_to_json(*function.decode_reply(data, kept))
-        except RpcError as error:
-            failure = failure or error
-    assert failure is not None
-    raise failure
+    return function.guessed(
+        len(data),
+        lambda kept: function.result_to_json(*function.decode_reply(data, kept)),
+    )

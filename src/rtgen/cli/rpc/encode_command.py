@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from itertools import islice
-
 import click
 
 from rtgen.cli.help import command
@@ -59,12 +57,7 @@ def _encoded(function: Function, request: str | None, reply: str | None) -> byte
     returned, outs = function.result_from_json(parsed(reply))
     if arguments is not None:
         return function.encode_reply(function.kept(arguments), returned, outs)
-    failure: ArgumentError | None = None
     longest = max((len(o) for o in outs if isinstance(o, list | bytes)), default=0)
-    for kept in islice(function.guesses(longest), 100_000):
-        try:
-            return function.encode_reply(kept, returned, outs)
-        except ArgumentError as error:
-            failure = failure or error
-    assert failure is not None
-    raise failure
+    return function.guessed(
+        longest, lambda kept: function.encode_reply(kept, returned, outs)
+    )

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import sys
 from collections.abc import Callable, Iterator, Mapping, Sequence
-from itertools import count, product
+from itertools import count, islice, product
 from types import ModuleType
-from typing import cast
+from typing import TypeVar, cast
 
 from rtgen.compiler.backends.tecs.codec import codec_text
 from rtgen.compiler.backends.tecs.expressions import expression_text
@@ -19,12 +19,14 @@ from rtgen.compiler.typemap.tecs.python import codec_class, codec_module, zero
 from rtgen.runtime.opaque_rpc import (
     E_BOVR,
     REQUEST_LIMIT,
+    ArgumentError,
     Channel,
     ChannelError,
     Codec,
     More,
     ProtocolError,
     ReplyOrder,
+    RpcError,
     Tdr,
 )
 from rtgen.runtime.opaque_rpc import codecs as runtime_codecs
@@ -42,6 +44,8 @@ from rtgen.tools.rpc.values import (
 )
 
 _PACKAGES = count()
+_MAX_GUESSES = 100_000
+R = TypeVar("R")
 
 
 class Service:
@@ -226,6 +230,20 @@ class Function:
             values = {item.name: item_to_json(item, value) for item, value in pairs}
         result = to_json(self.layout.returned.node, returned)
         return {"return": result, "outs": values}
+
+    def guessed(self, largest: int, attempt: Callable[[tuple[object, ...]], R]) -> R:
+        """Return the first result of an attempt with kept arguments of an unknown request.
+
+        `largest` is the largest size. Raises RpcError or ArgumentError, the first of all attempts.
+        """
+        failure: Exception | None = None
+        for kept in islice(self.guesses(largest), _MAX_GUESSES):
+            try:
+                return attempt(kept)
+            except (RpcError, ArgumentError) as error:
+                failure = failure or error
+        assert failure is not None
+        raise failure
 
     def guesses(self, largest: int) -> Iterator[tuple[object, ...]]:
         """Yield candidates for the kept arguments of an unknown request; large sizes first."""
