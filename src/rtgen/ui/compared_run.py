@@ -9,9 +9,7 @@ from typing import Final
 
 import msgspec
 
-from rtgen.compiler.diagnostics import ToolError
 from rtgen.runtime.marshalling.descriptors import Descriptor
-from rtgen.tools.recording.errors import RecordingError
 from rtgen.ui.buses import DescriberOf
 from rtgen.ui.history import History
 from rtgen.ui.protocol import ui
@@ -70,10 +68,7 @@ def read(file: str, numbers: Iterator[int], describer: DescriberOf) -> ComparedR
     reading = Reading(
         History(MAX_OCTETS), TypeTable(), numbers, describer, lambda _: None
     )
-    try:
-        reading.read(file, beside=True)
-    except RecordingError as error:
-        raise ToolError(str(error), hint=error.hint) from error
+    reading.read(file, beside=True)
     channels = {each.id: each for each in reading.channels}
     return ComparedRun(Path(file).name, reading.history, channels, reading.descriptors)
 

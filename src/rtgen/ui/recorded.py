@@ -9,10 +9,8 @@ from collections.abc import Callable, Sequence
 from pathlib import Path
 from typing import Any
 
-from rtgen.compiler.diagnostics import ToolError
 from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.requests import Client, Request, Requests
-from rtgen.tools.recording.errors import RecordingError
 from rtgen.ui.buses import DescriberOf
 from rtgen.ui.errors import IMPOSSIBLE, CommandError
 from rtgen.ui.history import History
@@ -68,11 +66,8 @@ class Recorded:
         self._types = TypeTable()
         numbers = itertools.count(1)
         reading = Reading(self.history, self._types, numbers, describer, codec)
-        try:
-            for beside, file in enumerate(files):
-                reading.read(file, beside=beside > 0)
-        except RecordingError as error:
-            raise ToolError(str(error), hint=error.hint) from error
+        for beside, file in enumerate(files):
+            reading.read(file, beside=beside > 0)
         self._channels = frozenset(each.id for each in reading.channels)
         self.left_out = self.history.first > 0.0
         clock = ui.ClockState(

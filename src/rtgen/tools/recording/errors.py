@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
+from rtgen.compiler.diagnostics import ToolError
 
-class RecordingError(Exception):
-    """A recording cannot be written, read or replayed; `hint` suggests a solution, if known."""
 
-    def __init__(self, message: str, hint: str | None = None) -> None:
-        super().__init__(message)
-        self.hint = hint
+class RecordingError(ToolError):
+    """A recording cannot be written, read or replayed."""
 
 
 class UnavailableError(RecordingError):

@@ -8,7 +8,7 @@ from difflib import get_close_matches
 from pathlib import Path
 from typing import Any
 
-from rtgen.compiler.diagnostics import InputError, ToolError
+from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.systems.rules import OBSERVABLE, RECORDING, UNREAD
 from rtgen.tools.kit.console import Console
 from rtgen.tools.recording.bag_files import Recording
@@ -28,8 +28,8 @@ def reported(*files: Path) -> Iterator[None]:
     """
     try:
         yield
-    except UnavailableError as error:
-        raise ToolError(str(error), hint=error.hint) from error
+    except UnavailableError:
+        raise
     except RecordingError as error:
         text = str(error)
         if len(files) == 1 and str(files[0]) not in text:

@@ -19,6 +19,7 @@ from rtgen.tools.recording.bag_writer import PROFILE
 from rtgen.tools.recording.replay import is_run
 from rtgen.tools.recording.selection import near_names
 from rtgen.tools.recording.topic_replay import LocalMedium, TopicReplay, survey
+from rtgen.tools.running.partition import alone
 from rtgen.tools.running.ros2 import topic_joints
 
 if TYPE_CHECKING:
@@ -92,7 +93,7 @@ class BagSource:
         self._console = console
         self._absent = frozenset(c.instance for c in profile.components) - {*present}
         self.clock = runtime.SimulatedClock(self._survey.start)
-        self.profile = _part(profile, present)
+        self.profile = replace(alone(profile, present), properties=())
 
     def begin(
         self, files: ExitStack, running: runtime.System, bag: BagRecorder | None
@@ -145,18 +146,3 @@ class BagSource:
             raise InputError(findings)
         if findings:
             self._console.findings(findings)
-
-
-def _part(profile: System, present: Collection[str]) -> System:
-    """Return the part of a system with these components."""
-    return replace(
-        profile,
-        components=tuple(c for c in profile.components if c.instance in present),
-        connections=tuple(
-            c
-            for c in profile.connections
-            if c.source.instance in present and c.target.instance in present
-        ),
-        activation=tuple(a for a in profile.activation if a.instance in present),
-        properties=(),
-    )

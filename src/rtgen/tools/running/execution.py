@@ -55,7 +55,6 @@ def executed(plan: Plan, console: Console) -> int:
     clock = runtime.SimulatedClock() if options.simulated else runtime.RealClock()
     report = FailureReport(console, options.shown_failures, simulated=options.simulated)
     with (
-        options.recording.reported(),
         ExitStack() as files,
         logged(report, console, options.shown_failures),
         ending(report.waiting) as end,

@@ -8,7 +8,6 @@ from contextlib import ExitStack
 from dataclasses import dataclass
 
 from rtgen import runtime
-from rtgen.compiler.diagnostics import ToolError
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.pace import pace
@@ -39,13 +38,9 @@ class LiveOptions:
                 "--threads goes with --clock real: simulated time has no threads"
             )
         if self.place is not None:
-            from rtgen.tools.recording.errors import RecordingError
             from rtgen.tools.recording.live_view import LiveView
 
-            try:
-                view = LiveView(running, name, *self.place)
-            except RecordingError as error:
-                raise ToolError(str(error), hint=error.hint) from error
+            view = LiveView(running, name, *self.place)
             files.callback(view.close)
             console.say(f"Foxglove: {view.address}")
         if self.rate is not None:

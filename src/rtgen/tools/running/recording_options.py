@@ -2,14 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from contextlib import ExitStack, contextmanager
+from contextlib import ExitStack
 from dataclasses import dataclass, replace
 from pathlib import Path
 from typing import TYPE_CHECKING, Final
 
 from rtgen import runtime
-from rtgen.compiler.diagnostics import ToolError
 from rtgen.compiler.systems.rules import MISSING
 from rtgen.runtime.system.records import MissingSamples
 from rtgen.tools.kit.console import Console
@@ -49,17 +47,9 @@ class RecordingOptions:
             return None
         from rtgen.tools.recording.bag_recorder import BagRecorder
         from rtgen.tools.recording.bag_writer import BagWriter
-        from rtgen.tools.recording.errors import RecordingError
 
-        try:
-            writer = BagWriter(
-                Path(self.file),
-                self.compression or "zstd",
-                longest_chunk(running),
-            )
-        except RecordingError as error:
-            raise ToolError(str(error), hint=error.hint) from error
-        files.enter_context(writer)
+        compression, longest = self.compression or "zstd", longest_chunk(running)
+        writer = files.enter_context(BagWriter(Path(self.file), compression, longest))
         recorder = BagRecorder(running, writer)
         files.callback(recorder.close)
         return recorder
@@ -90,15 +80,10 @@ class RecordingOptions:
 
         Raises ToolError.
         """
-        from rtgen.tools.recording.errors import RecordingError
         from rtgen.tools.recording.mcap_writer import McapWriter
 
-        try:
-            compression = self.compression or "zstd"
-            writer = McapWriter(file, compression, longest=longest)
-        except RecordingError as error:
-            raise ToolError(str(error), hint=error.hint) from error
-        return files.enter_context(writer)
+        compression = self.compression or "zstd"
+        return files.enter_context(McapWriter(file, compression, longest=longest))
 
     def numbered(self, number: int) -> RecordingOptions:
         """Return the options for a further run: `FILE-2.mcap`, `FILE-3.mcap`, ..."""
@@ -108,19 +93,6 @@ class RecordingOptions:
         return replace(
             self, file=str(path.with_name(f"{path.stem}-{number}{path.suffix}"))
         )
-
-    @contextmanager
-    def reported(self) -> Iterator[None]:
-        """Turn failures of the recording into ToolError."""
-        if self.file is None:
-            yield
-            return
-        from rtgen.tools.recording.errors import RecordingError
-
-        try:
-            yield
-        except RecordingError as error:
-            raise ToolError(str(error), hint=error.hint) from error
 
     def name_file(self, console: Console) -> None:
         """Say which file was recorded, if there is one."""
