@@ -107,7 +107,7 @@ def state(self: ContextService) -> LifeCycleState:
 
 
 def is_known(self: ContextService, reference: Any) -> bool:
-    return self._component(reference) is not None
+    return isinstance(self._exported.local(reference), RtObject)
 
 
 def is_state(name: str) -> Callable[..., bool]:

@@ -7,8 +7,9 @@ port name) that contains the provider under its instance name.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
+from contextlib import contextmanager, suppress
 from itertools import islice
-from typing import Any, TypeVar
+from typing import Any
 
 import CosNaming
 import msgspec
@@ -21,8 +22,6 @@ from rtgen.runtime.errors import (
     ServedElsewhereError,
     TransportError,
 )
-
-_T = TypeVar("_T")
 
 PORT = 2809
 """Default port of naming services (IANA: corbaloc)."""
@@ -87,98 +86,70 @@ class Naming:
 
         Raises ServedElsewhereError if the bound provider still responds.
         """
-
-        def bind() -> None:
+        with self._asking("bind"):
             context = self._context(port)
             if context is None:
                 context = self._root.bind_new_context(_path(*port))
-            if is_alive(_resolved(context, name)):
-                instance = ".".join(port)
-                raise ServedElsewhereError(
-                    f"{instance}:{name} is served by another process already, "
-                    f"says the naming service at {self.address}"
-                )
+            self._check_free(context, (name,), f"{'.'.join(port)}:{name}")
             context.rebind(_path(name), reference)
-
-        self._asked(bind, "bind")
 
     def unbind(self, port: tuple[str, str], name: str, reference: Any) -> None:
         """Unbind a provider, unless the name has been bound to another one since."""
-
-        def unbind() -> None:
+        with self._asking("unbind"):
             context = self._context(port)
             bound = None if context is None else _resolved(context, name)
             if bound is None or not bound._is_equivalent(reference):
                 return
             context.unbind(_path(name))
-            try:
+            with suppress(_Context.NotEmpty):
                 context.destroy()
-            except _Context.NotEmpty:
-                return
-            self._root.unbind(_path(*port))
-
-        self._asked(unbind, "unbind")
+                self._root.unbind(_path(*port))
 
     def bind_object(self, name: tuple[str, str], reference: Any) -> None:
         """Bind an object by id and kind, replacing one that no longer exists.
 
         Raises ServedElsewhereError if the bound one still responds.
         """
-
-        def bind() -> None:
-            if is_alive(_resolved(self._root, *name)):
-                raise ServedElsewhereError(
-                    f"{'.'.join(name)} is served by another process already, "
-                    f"says the naming service at {self.address}"
-                )
+        with self._asking("bind"):
+            self._check_free(self._root, name, ".".join(name))
             self._root.rebind(_path(*name), reference)
-
-        self._asked(bind, "bind")
 
     def unbind_object(self, name: tuple[str, str], reference: Any) -> None:
         """Unbind an object, unless the name has been bound to another one since."""
-
-        def unbind() -> None:
+        with self._asking("unbind"):
             bound = _resolved(self._root, *name)
             if bound is not None and bound._is_equivalent(reference):
                 self._root.unbind(_path(*name))
 
-        self._asked(unbind, "unbind")
+    def _check_free(self, context: Any, name: tuple[str, ...], shown: str) -> None:
+        """Raise ServedElsewhereError if the object of a name in a context responds."""
+        if is_alive(_resolved(context, *name)):
+            raise ServedElsewhereError(
+                f"{shown} is served by another process already, "
+                f"says the naming service at {self.address}"
+            )
 
     def component(self, name: str, kind: str) -> Any:
         """Return the object of a name in the root, or in a host's context, as OpenRTM does.
 
         None if there is none.
         """
-
-        def component() -> Any:
+        with self._asking("ask"):
             found = _resolved(self._root, name, kind)
             hosts = [] if found is not None else self._contexts(_HOST)
             for host in hosts:
                 found = found or _resolved(host, name, kind)
             return found
 
-        return self._asked(component, "ask")
-
     def at(self, path: Sequence[tuple[str, str]]) -> Any:
         """Return the object of a path of ids and kinds; None if there is none."""
-
-        def at() -> Any:
-            try:
-                return self._root.resolve([p for pair in path for p in _path(*pair)])
-            except _Context.NotFound:
-                return None
-
-        return self._asked(at, "ask")
+        with self._asking("ask"), suppress(_Context.NotFound):
+            return self._root.resolve([p for pair in path for p in _path(*pair)])
 
     def tree(self, most: int = MAX_NAMES) -> list[Bound]:
         """Return up to `most` names in order, each after the context that contains it."""
-
-        def tree() -> list[Bound]:
-            found = _below(self._root, _names(self._root), (), [])
-            return [*islice(found, most)]
-
-        return self._asked(tree, "ask")
+        with self._asking("ask"):
+            return [*islice(_below(self._root, _names(self._root), (), []), most)]
 
     def _contexts(self, kind: str) -> list[Any]:
         """Return the contexts of a kind in the root."""
@@ -189,8 +160,7 @@ class Naming:
 
     def providers(self, port: tuple[str, str]) -> dict[str, Any]:
         """Return the bound providers of a port by name."""
-
-        def providers() -> dict[str, Any]:
+        with self._asking("ask"):
             context = self._context(port)
             if context is None:
                 return {}
@@ -198,15 +168,15 @@ class Naming:
             found = {name: _resolved(context, name) for name in names}
             return {name: r for name, r in found.items() if r is not None}
 
-        return self._asked(providers, "ask")
-
     def _context(self, port: tuple[str, str]) -> Any:
         found = _resolved(self._root, *port)
         return None if found is None else self._narrowed(found)
 
-    def _asked(self, ask: Callable[[], _T], what: str) -> _T:
+    @contextmanager
+    def _asking(self, what: str) -> Iterator[None]:
+        """Raise errors of omniORB as TransportError."""
         try:
-            return ask()
+            yield
         except (CORBA.Exception, ValueError) as error:
             _raise_interrupt(error)
             raise TransportError(

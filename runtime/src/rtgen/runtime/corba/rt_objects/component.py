@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping, Sequence
-from typing import Any
+from collections.abc import Callable, Iterable, Mapping, Sequence
+from typing import Any, Final, TypeVar
 
 from omniORB import any as anys
 
@@ -29,14 +29,16 @@ from rtgen.runtime.return_codes import (
     CREATED_STATE,
     PRECONDITION_NOT_MET,
     UNSUPPORTED,
-    ExecutionKind,
     LifeCycleState,
     ReturnCode_t,
 )
 from rtgen.runtime.rtc.component import Component
 from rtgen.runtime.rtc.execution_context import ExecutionContext
 
+_T = TypeVar("_T")
 _NO_HANDLE = -1
+_OF_CONTEXTS = "is_running start stop get_rate set_rate get_kind"
+"""Operations of `RTC::ExecutionContext` that the context itself carries out."""
 _CALLBACKS = """
     on_initialize on_finalize on_startup on_shutdown on_activated on_deactivated on_aborting
     on_error on_reset on_execute on_state_update on_rate_changed
@@ -57,71 +59,29 @@ class ContextService:
         self._owner = owner
         self.reference = exported.serve(EXECUTION_CONTEXT, self)
 
-    def is_running(self) -> bool:
-        """See `RTC::ExecutionContext`."""
-        return self.context.is_running()
-
-    def start(self) -> ReturnCode_t:
-        """See `RTC::ExecutionContext`."""
-        return self.context.start()
-
-    def stop(self) -> ReturnCode_t:
-        """See `RTC::ExecutionContext`."""
-        return self.context.stop()
-
-    def get_rate(self) -> float:
-        """Return the rate in Hz."""
-        return self.context.get_rate()
-
-    def set_rate(self, rate: float) -> ReturnCode_t:
-        """Set the rate in Hz."""
-        return self.context.set_rate(rate)
-
-    def get_kind(self) -> ExecutionKind:
-        """See `RTC::ExecutionContext`."""
-        return self.context.get_kind()
-
     def add_component(self, reference: Any) -> ReturnCode_t:
         """Return UNSUPPORTED for a component of another process."""
-        component = self._component(reference)
-        return (
-            UNSUPPORTED if component is None else self.context.add_component(component)
-        )
+        return self._asked(reference, self.context.add_component, UNSUPPORTED)
 
     def remove_component(self, reference: Any) -> ReturnCode_t:
-        """Return BAD_PARAMETER for a component of another process."""
-        component = self._component(reference)
-        if component is None:
-            return BAD_PARAMETER
-        return self.context.remove_component(component)
+        """Return BAD_PARAMETER for a component of another process, as those below."""
+        return self._asked(reference, self.context.remove_component, BAD_PARAMETER)
 
     def activate_component(self, reference: Any) -> ReturnCode_t:
         """Request ACTIVE; executed at the next tick."""
-        component = self._component(reference)
-        if component is None:
-            return BAD_PARAMETER
-        return self.context.activate_component(component)
+        return self._asked(reference, self.context.activate_component, BAD_PARAMETER)
 
     def deactivate_component(self, reference: Any) -> ReturnCode_t:
         """Request INACTIVE."""
-        component = self._component(reference)
-        if component is None:
-            return BAD_PARAMETER
-        return self.context.deactivate_component(component)
+        return self._asked(reference, self.context.deactivate_component, BAD_PARAMETER)
 
     def reset_component(self, reference: Any) -> ReturnCode_t:
         """Request INACTIVE after an ERROR."""
-        component = self._component(reference)
-        if component is None:
-            return BAD_PARAMETER
-        return self.context.reset_component(component)
+        return self._asked(reference, self.context.reset_component, BAD_PARAMETER)
 
     def get_component_state(self, reference: Any) -> LifeCycleState:
         """Return the state of a component; CREATED if it does not participate."""
-        component = self._component(reference)
-        if component is None:
-            return CREATED_STATE
-        return self.context.get_component_state(component)
+        return self._asked(reference, self.context.get_component_state, CREATED_STATE)
 
     def get_profile(self) -> ExecutionContextProfile:
         """See `RTC::ExecutionContextService`."""
@@ -137,9 +97,10 @@ class ContextService:
             [],
         )
 
-    def _component(self, reference: Any) -> Component | None:
+    def _asked(self, reference: Any, ask: Callable[[Component], _T], unknown: _T) -> _T:
+        """Return what the context says of a component; `unknown` for one of another process."""
         found = self._exported.local(reference)
-        return found.component if isinstance(found, RtObject) else None
+        return ask(found.component) if isinstance(found, RtObject) else unknown
 
 
 class RtObject:
@@ -213,18 +174,6 @@ class RtObject:
 
     # LightweightRTObject
 
-    def initialize(self) -> ReturnCode_t:
-        """Return PRECONDITION_NOT_MET: it is initialized."""
-        return PRECONDITION_NOT_MET
-
-    def finalize(self) -> ReturnCode_t:
-        """Return PRECONDITION_NOT_MET: it participates in its own context."""
-        return PRECONDITION_NOT_MET
-
-    def exit(self) -> ReturnCode_t:
-        """Return UNSUPPORTED: components end with their run."""
-        return UNSUPPORTED
-
     def is_alive(self, reference: Any) -> bool:
         """Return whether it is initialized; with a context, whether it participates in it."""
         found = self._exported.local(reference)
@@ -253,14 +202,6 @@ class RtObject:
             return _NO_HANDLE
         return self.component.get_context_handle(found.context)
 
-    def attach_context(self, reference: Any) -> int:
-        """Return -1: `add_component` of a context attaches it."""
-        return _NO_HANDLE
-
-    def detach_context(self, handle: int) -> ReturnCode_t:
-        """Return UNSUPPORTED: `remove_component` of a context detaches it."""
-        return UNSUPPORTED
-
     def _references(self, contexts: Sequence[Any]) -> list[Any]:
         found = []
         for context in contexts:
@@ -284,14 +225,6 @@ class RtObject:
 
     # SDO
 
-    def get_owned_organizations(self) -> list[Any]:
-        """Return no organizations."""
-        return []
-
-    def get_organizations(self) -> list[Any]:
-        """Return no organizations."""
-        return []
-
     def get_sdo_id(self) -> str:
         """Return the instance name."""
         return self.component.instance_name
@@ -299,14 +232,6 @@ class RtObject:
     def get_sdo_type(self) -> str:
         """Return the description of the component."""
         return self.component.profile.description
-
-    def get_device_profile(self) -> DeviceProfile:
-        """Return an empty profile."""
-        return DeviceProfile()
-
-    def get_service_profiles(self) -> list[ServiceProfile]:
-        """Return no services."""
-        return []
 
     def get_service_profile(self, identity: str) -> ServiceProfile:
         """Raise InvalidParameter."""
@@ -335,9 +260,30 @@ class RtObject:
         return anys.to_any(self.component.reason)
 
 
-def _unsupported(self: RtObject, handle: int = 0) -> ReturnCode_t:
-    return UNSUPPORTED
+_ANSWERS: Final[dict[str, object]] = {
+    # It is initialized, and participates in its own context.
+    **dict.fromkeys(("initialize", "finalize"), PRECONDITION_NOT_MET),
+    **dict.fromkeys(("exit", *_CALLBACKS.split()), UNSUPPORTED),
+    # `add_component` and `remove_component` of a context do that.
+    "attach_context": _NO_HANDLE,
+    "detach_context": UNSUPPORTED,
+    "get_owned_organizations": [],
+    "get_organizations": [],
+    "get_device_profile": DeviceProfile(),
+    "get_service_profiles": [],
+}
+"""Operations with the same answer for all components."""
 
 
-for _name in _CALLBACKS.split():
-    setattr(RtObject, _name, _unsupported)
+def _answering(answer: object) -> Callable[..., object]:
+    return lambda self, *arguments: answer
+
+
+def _forwarding(name: str) -> Callable[..., object]:
+    return lambda self, *arguments: getattr(self.context, name)(*arguments)
+
+
+for _name in _OF_CONTEXTS.split():
+    setattr(ContextService, _name, _forwarding(_name))
+for _name, _answer in _ANSWERS.items():
+    setattr(RtObject, _name, _answering(_answer))

@@ -81,26 +81,6 @@ class Configuration:
             return False
         return True
 
-    def set_device_profile(self, profile: object) -> bool:
-        """Return False: there are no devices."""
-        return False
-
-    def add_service_profile(self, profile: object) -> bool:
-        """Return False: services of SDO, such as observers, are not called; tools poll instead."""
-        return False
-
-    def remove_service_profile(self, identity: str) -> bool:
-        """Return False: see `add_service_profile`."""
-        return False
-
-    def add_organization(self, organization: object) -> bool:
-        """Return False: there are no organizations."""
-        return False
-
-    def remove_organization(self, identity: str) -> bool:
-        """Return False: there are no organizations."""
-        return False
-
     def _set(self, set_id: str, given: dict[str, str], count: int) -> bool:
         if len(given) != count:
             raise InvalidParameter("values of parameters are texts")
@@ -115,3 +95,15 @@ class Configuration:
 
     def _shown(self, set_id: str) -> ConfigurationSet:
         return ConfigurationSet(set_id, "", values(self._sets.texts(set_id)))
+
+
+def _refused(self: Configuration, *arguments: object) -> bool:
+    """Return False: there are no devices, organizations, and observers; tools poll instead."""
+    return False
+
+
+for _name in (
+    *("set_device_profile", "add_service_profile", "remove_service_profile"),
+    *("add_organization", "remove_organization"),
+):
+    setattr(Configuration, _name, _refused)

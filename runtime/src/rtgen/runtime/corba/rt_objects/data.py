@@ -26,6 +26,12 @@ from rtgen.runtime.timing.guards import Guard
 from rtgen.runtime.xcdr import decode, encode
 
 INTERFACE_TYPE = "corba_cdr"
+DATA_DEFAULTS = {
+    "dataport.interface_type": INTERFACE_TYPE,
+    "dataport.dataflow_type": "push",
+    "dataport.subscription_type": "flush",
+}
+"""Default properties of a connection of data ports."""
 _ENDIAN = "dataport.serializer.cdr.endian"
 _TYPE = "dataport.data_type"
 _SENDERS = ("dataport.subscription_type", "dataport.io_mode", "dataport.publisher.")

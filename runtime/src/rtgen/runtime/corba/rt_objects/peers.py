@@ -10,7 +10,11 @@ from rtgen.facts.connector_properties import STRICTNESS
 from rtgen.facts.openrtm_ports import RUNTIME, known_name
 from rtgen.facts.port_fitting import is_same_type
 from rtgen.runtime.corba.naming import is_alive
-from rtgen.runtime.corba.rt_objects.data import DEFAULT_LIMIT, SentConnector
+from rtgen.runtime.corba.rt_objects.data import (
+    DATA_DEFAULTS,
+    DEFAULT_LIMIT,
+    SentConnector,
+)
 from rtgen.runtime.corba.rt_objects.foreign import Directory
 from rtgen.runtime.corba.rt_objects.remote import FAULTS, RemoteRtc
 from rtgen.runtime.corba.rt_objects.services import type_names
@@ -36,19 +40,11 @@ if TYPE_CHECKING:
 _POLL_INTERVAL = 0.05
 _FIRST_DELAY, _MAX_DELAY = 0.25, 10.0
 """First and longest delay before a connection ended by the other component is made again [s]."""
-DATA_DEFAULTS = {
-    "dataport.interface_type": "corba_cdr",
-    "dataport.dataflow_type": "push",
-    "dataport.subscription_type": "flush",
-}
-"""Default properties of a connection of data ports."""
 
 
 class _Peer:
     """A connection between a port of this process and one of another, made by `establish`."""
 
-    kind = ""
-    """The type of the other port: `DataInPort`, `DataOutPort`, `CorbaPort`."""
     suffix = ""
     """Possible suffix of OpenRTM's name of the other port; see `registered_names`."""
 
@@ -63,6 +59,14 @@ class _Peer:
         self.name = name
         self.here = here
         self.there = there
+        self._sends = isinstance(here, OutPort)
+        receives = isinstance(here, InPort)
+        ends: tuple[Any, Any] = (there, here) if receives else (here, there)
+        self.source, self.target = ends
+        self.kind = (
+            "DataInPort" if self._sends else "DataOutPort" if receives else "CorbaPort"
+        )
+        """The type of the other port."""
         self.properties = dict(properties)
         self.connected = False
         self._objects = objects
@@ -84,12 +88,7 @@ class _Peer:
         self._reason = ""
 
     def __str__(self) -> str:
-        source, target = map(str, self.ways())
-        return f"{self.name} ({source} to {target})"
-
-    def ways(self) -> tuple[object, object]:
-        """Return the two ports, that of an OutPort first."""
-        return self.here, self.there
+        return f"{self.name} ({self.source} to {self.target})"
 
     def attach(self) -> None:
         """Do nothing: `establish` makes the connection."""
@@ -170,7 +169,9 @@ class _Peer:
         ends = [other, port.reference] if is_made_there else [port.reference, other]
         asked = ConnectorProfile(self.name, self.name, ends, values(self.requested()))
         code, _ = (
-            port.ask_to_connect(other, asked) if is_made_there else port.connect(asked)
+            port.call_port(other, "connect", asked)
+            if is_made_there
+            else port.connect(asked)
         )
         return code
 
@@ -298,20 +299,7 @@ class PeerConnection(_Peer):
 
     here: InPort[Any] | OutPort[Any]
 
-    def __init__(
-        self,
-        name: str,
-        here: InPort[Any] | OutPort[Any],
-        there: RemotePort,
-        properties: Mapping[str, str],
-        objects: RtObjects,
-    ) -> None:
-        super().__init__(name, here, there, properties, objects)
-        self._sends = isinstance(here, OutPort)
-        self.source: Any = here if self._sends else there
-        self.target: Any = there if self._sends else here
-        self.kind = "DataInPort" if self._sends else "DataOutPort"
-        self.suffix = "_out"
+    suffix = "_out"
 
     def requested(self) -> dict[str, str]:
         """Return the properties with defaults and type."""
@@ -334,10 +322,6 @@ class PeerConnection(_Peer):
             "corba.args of its rtc.conf has -ORBgiopMaxMsgSize)"
         )
 
-    def ways(self) -> tuple[object, object]:
-        """Return the two ports, the OutPort first."""
-        return (self.here, self.there) if self._sends else (self.there, self.here)
-
     def check(self, found: PortProfile) -> None:
         """Compare the data types."""
         descriptor: Any = self.here.type._descriptor_
@@ -353,20 +337,7 @@ class ServicePeer(_Peer):
     """A connection between a service port here and a foreign one."""
 
     here: ServicePort
-    kind = "CorbaPort"
     suffix = "_service"
-
-    def __init__(
-        self,
-        name: str,
-        here: ServicePort,
-        there: RemotePort,
-        properties: Mapping[str, str],
-        objects: RtObjects,
-    ) -> None:
-        super().__init__(name, here, there, properties, objects)
-        self.source = here
-        self.target = there
 
     def check(self, found: PortProfile) -> None:
         """Compare the types of interfaces: each must have a partner if strict, else one of them."""

@@ -12,7 +12,7 @@ from msgspec.structs import replace
 from omniORB import CORBA
 
 from rtgen.runtime.corba.iors import place
-from rtgen.runtime.corba.rt_objects.data import Pulled, SentConnector
+from rtgen.runtime.corba.rt_objects.data import DATA_DEFAULTS, Pulled, SentConnector
 from rtgen.runtime.corba.rt_objects.objects import CallError
 from rtgen.runtime.corba.rt_objects.port_ends import End, Link, Offer, Ports, Watcher
 from rtgen.runtime.corba.rt_objects.wire import (
@@ -125,12 +125,8 @@ class PortService:
         for key in ("port.port_type", "dataport.dataflow_type"):
             properties.pop(key, None)
         if "dataport.interface_type" in properties:
-            properties.setdefault("dataport.subscription_type", "flush")
-            properties["dataport.dataflow_type"] = stated.get(
-                "dataport.dataflow_type", "push"
-            )
-            subscription = stated.get("dataport.subscription_type", "flush")
-            properties["dataport.subscription_type"] = subscription
+            for key in ("dataport.subscription_type", "dataport.dataflow_type"):
+                properties[key] = stated.get(key, DATA_DEFAULTS[key])
         name = connector.name
         identity = self._ports.ids.get(name, name)
         return ConnectorProfile(name, identity, ports, values(properties))
@@ -147,33 +143,26 @@ class PortService:
         ends = [self._ports.exported.local(each) for each in profile.ports]
         if all(isinstance(end, PortService) for end in ends):
             return self._join(profile, *ends), profile
-        first, exported = profile.ports[0], self._ports.exported
-        try:
-            if ends[0] is not None:
-                with ends[0].connecting:
-                    code, made = ends[0].notify_connect(profile)
-            else:
-                code, made = exported.call(
-                    first, PORT_SERVICE, "notify_connect", profile
-                )
-        except (CORBA.SystemException, CallError) as error:
-            log.warning("%s: the other port cannot be reached: %s", self.name, error)
-            code, made = RTC_ERROR, profile
+        if ends[0] is not None:
+            with ends[0].connecting:
+                code, made = ends[0].notify_connect(profile)
+        else:
+            code, made = self.call_port(profile.ports[0], "notify_connect", profile)
         if code not in (RTC_OK, PRECONDITION_NOT_MET):
             self._notify_all(profile)
         return code, made
 
-    def ask_to_connect(
-        self, other: Any, profile: ConnectorProfile
+    def call_port(
+        self, other: Any, operation: str, profile: ConnectorProfile
     ) -> tuple[ReturnCode_t, Any]:
-        """Make another port connect the ports of a profile, of which it is the first."""
+        """Call another port with a profile; RTC_ERROR if it cannot be reached."""
         try:
             code, made = self._ports.exported.call(
-                other, PORT_SERVICE, "connect", profile
+                other, PORT_SERVICE, operation, profile
             )
         except (CORBA.SystemException, CallError) as error:
             log.warning("%s: the other port cannot be reached: %s", self.name, error)
-            code, made = RTC_ERROR, profile
+            return RTC_ERROR, profile
         return code, made
 
     def _named(self, system: System, profile: ConnectorProfile) -> str:
@@ -250,14 +239,7 @@ class PortService:
         following = self._next(profile)
         if following is None:
             return RTC_OK, profile
-        try:
-            code, changed = self._ports.exported.call(
-                following, PORT_SERVICE, "notify_connect", profile
-            )
-        except (CORBA.SystemException, CallError) as error:
-            log.warning("%s: the other port cannot be reached: %s", self.name, error)
-            return RTC_ERROR, profile
-        return code, changed
+        return self.call_port(following, "notify_connect", profile)
 
     def _next(self, profile: ConnectorProfile) -> Any:
         """Return the next port in a profile; None after the last."""
