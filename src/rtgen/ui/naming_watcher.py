@@ -17,8 +17,8 @@ from rtgen.runtime.corba.naming import Bound, Naming
 from rtgen.runtime.corba.orb import Orb
 from rtgen.runtime.corba.rt_objects.activation import Activations
 from rtgen.runtime.corba.rt_objects.component import RtObject
+from rtgen.runtime.corba.rt_objects.data import DATA_DEFAULTS
 from rtgen.runtime.corba.rt_objects.objects import Exported
-from rtgen.runtime.corba.rt_objects.peers import DATA_DEFAULTS
 from rtgen.runtime.corba.rt_objects.ports import PortService
 from rtgen.runtime.corba.rt_objects.publishing import RtObjects
 from rtgen.runtime.corba.rt_objects.remote import FAULTS
