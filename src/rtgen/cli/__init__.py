@@ -71,8 +71,11 @@ def run(arguments: Sequence[str], *, ends: bool = False) -> int:
 
     `ends`: the process ends with the command, so garbage collection is disabled.
     """
-    translation.begin(_language_of_project)
-    translation.choose(language_of(arguments))
+    with translation.of_command(_language_of_project, language_of(arguments)):
+        return _run(arguments, ends=ends)
+
+
+def _run(arguments: Sequence[str], *, ends: bool) -> int:
     try:
         if any("\0" in each for each in arguments):
             raise click.UsageError("an argument has no null character")

@@ -101,6 +101,18 @@ def test_a_language_that_a_project_cannot_choose_is_reported(
     assert "'language' in [rtgen] must be one of 'en', 'ja'" in capfd.readouterr().err
 
 
+def test_the_language_of_a_command_ends_with_it(
+    project: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """A program that runs commands, and a locale that changes, have no texts of an earlier one."""
+    (project / "rtgen.toml").write_text('[rtgen]\nlanguage = "ja"\n', encoding="utf-8")
+    for options in ((), ("--language", "ja"), ("--no-such", "--language", "ja")):
+        run(["inspect", "wheel.idl", *options])
+        assert translation.translated("1 error") == "1 error"
+    monkeypatch.setenv("LANG", "ja_JP.UTF-8")
+    assert translation.translated("1 error") == "エラー 1 件"
+
+
 def test_explain_and_help_are_japanese(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["explain", "CDL0201", "--language", "ja"]) == 0
     page = capfd.readouterr().out

@@ -29,13 +29,13 @@ def explained(arguments: Sequence[str]) -> int | None:
     """
     if not _is_plain(arguments):
         return None
-    translation.begin(language_of_project)
-    try:
-        if plugins.announced(*plugins.Group):
+    with translation.of_command(language_of_project):
+        try:
+            if plugins.announced(*plugins.Group):
+                return None
+            return _print(arguments[1])
+        except (OSError, ToolError):
             return None
-        return _print(arguments[1])
-    except (OSError, ToolError):
-        return None
 
 
 def _is_plain(arguments: Sequence[str]) -> bool:

@@ -7,7 +7,8 @@ Messages are made in English, as machine formats show them, and translated where
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 
 ENGLISH = "en"
 LANGUAGES = (ENGLISH, "ja")
@@ -15,32 +16,36 @@ LANGUAGES = (ENGLISH, "ja")
 _LOCALE = ("LC_ALL", "LC_MESSAGES", "LANG")
 
 
-def _none() -> str | None:
-    return None
-
-
 class _Choice:
-    """The language of this process, found when a text is printed."""
+    """The language of the command that runs, found when a text is printed."""
 
     language: str | None = None
-    of_project: Callable[[], str | None] = staticmethod(_none)
+    of_project: Callable[[], str | None] | None = None
 
 
-def choose(language: str | None) -> None:
-    """Set the language of texts; None leaves it to the project and the locale."""
-    _Choice.language = language
+@contextmanager
+def of_command(
+    of_project: Callable[[], str | None], chosen: str | None = None
+) -> Iterator[None]:
+    """Print texts in the language of a command: `chosen`, else `of_project()`, else the locale's.
 
-
-def begin(of_project: Callable[[], str | None]) -> None:
-    """Begin a command: its language is not chosen yet; `of_project` returns that of the project."""
-    _Choice.language = None
-    _Choice.of_project = staticmethod(of_project)
+    Texts that a program prints afterwards have the language that they had before.
+    """
+    before = _Choice.language, _Choice.of_project
+    _Choice.language, _Choice.of_project = chosen, of_project
+    try:
+        yield
+    finally:
+        _Choice.language, _Choice.of_project = before
 
 
 def language() -> str:
-    """Return the language of texts, one of LANGUAGES."""
-    if _Choice.language is None:
-        _Choice.language = _Choice.of_project() or _of_locale()
+    """Return the language of texts, one of LANGUAGES; that of the locale outside of commands."""
+    if _Choice.language is not None:
+        return _Choice.language
+    if _Choice.of_project is None:
+        return _of_locale()
+    _Choice.language = _Choice.of_project() or _of_locale()
     return _Choice.language
 
 
