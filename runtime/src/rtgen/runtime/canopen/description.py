@@ -178,6 +178,12 @@ class DeviceDescription(msgspec.Struct, frozen=True, dict=True):
             return initial
         return in_force(number, None, node_id) or 0
 
+    def initial_number(self, number: ObjectNumber, node_id: int) -> int:
+        """Return the integer with which an object begins; 0 without one."""
+        described = self.by_number.get(number)
+        initial = None if described is None else described.initial(node_id)
+        return initial if isinstance(initial, int) else 0
+
     def pdo(self, direction: str, number: int) -> PdoDescription:
         """Find a PDO. Raises KeyError."""
         for pdo in self.pdos:

@@ -7,8 +7,11 @@ without a counterpart keep their values: frames, covariances, ids.
 from __future__ import annotations
 
 import math
-from typing import Any, Final
+from collections.abc import Callable
+from operator import attrgetter
+from typing import Any, Final, TypeAlias
 
+Convert: TypeAlias = Callable[[Any, Any], None]
 _LAST_SECOND: Final = (1 << 31) - 1
 """Maximum of builtin_interfaces/msg/Time, which counts signed 32-bit seconds."""
 
@@ -56,28 +59,44 @@ def _velocity_of(twist: Any, data: Any) -> None:
     data.vx, data.vy, data.va = twist.linear.x, twist.linear.y, twist.angular.z
 
 
-def pose_to_pose_stamped(sample: Any, made: Any) -> None:
-    """Convert TimedPose2D to geometry_msgs/msg/PoseStamped."""
-    time_to_stamp(sample.tm, made.header.stamp)
-    _pose_to(sample.data, made.pose)
+def _xyz(source: Any, target: Any) -> None:
+    target.x, target.y, target.z = source.x, source.y, source.z
 
 
-def pose_of_pose_stamped(sample: Any, made: Any) -> None:
-    """Convert geometry_msgs/msg/PoseStamped to TimedPose2D: the part in the plane."""
-    time_of_stamp(sample.header.stamp, made.tm)
-    _pose_of(sample.pose, made.data)
+def _xyzw(source: Any, target: Any) -> None:
+    _xyz(source, target)
+    target.w = source.w
 
 
-def pose_to_odometry(sample: Any, made: Any) -> None:
-    """Convert TimedPose2D to nav_msgs/msg/Odometry; the velocity stays 0."""
-    time_to_stamp(sample.tm, made.header.stamp)
-    _pose_to(sample.data, made.pose.pose)
+def _stamped(part: str, to: Convert, of: Convert) -> tuple[Convert, Convert]:
+    """Return the conversions to and of a message with a header, whose `part` are the data."""
+    data = attrgetter(part)
+
+    def to_message(sample: Any, made: Any) -> None:
+        time_to_stamp(sample.tm, made.header.stamp)
+        to(sample.data, data(made))
+
+    def of_message(sample: Any, made: Any) -> None:
+        time_of_stamp(sample.header.stamp, made.tm)
+        of(data(sample), made.data)
+
+    return to_message, of_message
 
 
-def pose_of_odometry(sample: Any, made: Any) -> None:
-    """Convert nav_msgs/msg/Odometry to TimedPose2D."""
-    time_of_stamp(sample.header.stamp, made.tm)
-    _pose_of(sample.pose.pose, made.data)
+pose_to_pose_stamped, pose_of_pose_stamped = _stamped("pose", _pose_to, _pose_of)
+"""TimedPose2D and geometry_msgs/msg/PoseStamped, whose part in the plane counts."""
+pose_to_odometry, pose_of_odometry = _stamped("pose.pose", _pose_to, _pose_of)
+"""TimedPose2D and nav_msgs/msg/Odometry; the velocity stays 0."""
+velocity_to_twist_stamped, velocity_of_twist_stamped = _stamped(
+    "twist", _velocity_to, _velocity_of
+)
+"""TimedVelocity2D and geometry_msgs/msg/TwistStamped."""
+point_to_message, point_of_message = _stamped("point", _xyz, _xyz)
+"""TimedPoint3D and geometry_msgs/msg/PointStamped."""
+vector_to_message, vector_of_message = _stamped("vector", _xyz, _xyz)
+"""TimedVector3D and geometry_msgs/msg/Vector3Stamped."""
+quaternion_to_message, quaternion_of_message = _stamped("quaternion", _xyzw, _xyzw)
+"""TimedQuaternion and geometry_msgs/msg/QuaternionStamped."""
 
 
 def velocity_to_twist(sample: Any, made: Any) -> None:
@@ -88,18 +107,6 @@ def velocity_to_twist(sample: Any, made: Any) -> None:
 def velocity_of_twist(sample: Any, made: Any) -> None:
     """Convert geometry_msgs/msg/Twist to TimedVelocity2D, whose time the adapter sets."""
     _velocity_of(sample, made.data)
-
-
-def velocity_to_twist_stamped(sample: Any, made: Any) -> None:
-    """Convert TimedVelocity2D to geometry_msgs/msg/TwistStamped."""
-    time_to_stamp(sample.tm, made.header.stamp)
-    _velocity_to(sample.data, made.twist)
-
-
-def velocity_of_twist_stamped(sample: Any, made: Any) -> None:
-    """Convert geometry_msgs/msg/TwistStamped to TimedVelocity2D."""
-    time_of_stamp(sample.header.stamp, made.tm)
-    _velocity_of(sample.twist, made.data)
 
 
 def ranges_to_scan(sample: Any, made: Any) -> None:
@@ -163,48 +170,6 @@ def text_to_string(sample: Any, made: Any) -> None:
 
 
 text_of_string = text_to_string
-
-
-def _xyz(source: Any, target: Any) -> None:
-    target.x, target.y, target.z = source.x, source.y, source.z
-
-
-def point_to_message(sample: Any, made: Any) -> None:
-    """Convert TimedPoint3D to geometry_msgs/msg/PointStamped."""
-    time_to_stamp(sample.tm, made.header.stamp)
-    _xyz(sample.data, made.point)
-
-
-def point_of_message(sample: Any, made: Any) -> None:
-    """Convert geometry_msgs/msg/PointStamped to TimedPoint3D."""
-    time_of_stamp(sample.header.stamp, made.tm)
-    _xyz(sample.point, made.data)
-
-
-def vector_to_message(sample: Any, made: Any) -> None:
-    """Convert TimedVector3D to geometry_msgs/msg/Vector3Stamped."""
-    time_to_stamp(sample.tm, made.header.stamp)
-    _xyz(sample.data, made.vector)
-
-
-def vector_of_message(sample: Any, made: Any) -> None:
-    """Convert geometry_msgs/msg/Vector3Stamped to TimedVector3D."""
-    time_of_stamp(sample.header.stamp, made.tm)
-    _xyz(sample.vector, made.data)
-
-
-def quaternion_to_message(sample: Any, made: Any) -> None:
-    """Convert TimedQuaternion to geometry_msgs/msg/QuaternionStamped."""
-    time_to_stamp(sample.tm, made.header.stamp)
-    _xyz(sample.data, made.quaternion)
-    made.quaternion.w = sample.data.w
-
-
-def quaternion_of_message(sample: Any, made: Any) -> None:
-    """Convert geometry_msgs/msg/QuaternionStamped to TimedQuaternion."""
-    time_of_stamp(sample.header.stamp, made.tm)
-    _xyz(sample.quaternion, made.data)
-    made.data.w = sample.quaternion.w
 
 
 _ENCODINGS: Final = {8: "mono8", 16: "mono16", 24: "rgb8", 32: "rgba8"}

@@ -28,10 +28,10 @@ from rtgen.runtime.marshalling.descriptors import (
     plain,
 )
 from rtgen.runtime.ros2 import conversions
+from rtgen.runtime.ros2.conversions import Convert
 from rtgen.runtime.ros2.network import Ros2Error
 from rtgen.runtime.ros2.types import blank
 
-Convert: TypeAlias = Callable[[Any, Any], None]
 Constant: TypeAlias = tuple[Callable[[Any], Any], str, Callable[[], Any]]
 """The struct of a member, found in the whole value; the member's attribute; and its value."""
 

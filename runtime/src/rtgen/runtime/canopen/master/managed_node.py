@@ -19,7 +19,7 @@ from rtgen.runtime.canopen.master.second_node import FOREIGN_ANSWERS, SecondNode
 from rtgen.runtime.canopen.node_setup import SetUp, SetUpError, number_text, set_up
 from rtgen.runtime.canopen.wire import sdo
 from rtgen.runtime.canopen.wire.emergency import Emergency
-from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
+from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame, earliest
 from rtgen.runtime.canopen.wire.guarding import NodeGuard
 from rtgen.runtime.canopen.wire.heartbeat import (
     HeartbeatConsumer,
@@ -192,13 +192,9 @@ class ManagedNode:
     @property
     def deadline(self) -> int | None:
         """Time of the next call of `poll`; None for never."""
-        times = (
-            self._consumer.deadline,
-            self._guard.deadline,
-            self._limit,
-            self._settled,
+        return earliest(
+            self._consumer.deadline, self._guard.deadline, self._limit, self._settled
         )
-        return min((time for time in times if time is not None), default=None)
 
     @property
     def nmt(self) -> NmtState | None:

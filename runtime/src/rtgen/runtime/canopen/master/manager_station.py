@@ -19,6 +19,7 @@ from rtgen.runtime.canopen.wire.frames import (
     NMT,
     CobId,
     Frame,
+    earliest,
 )
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatProducer
 from rtgen.runtime.canopen.wire.lss_master import Assigned, LssError, LssMaster, assign
@@ -354,7 +355,12 @@ class ManagerStation:
 
     def _answer(self) -> list[Frame]:
         """Compute the deadline; return the frames to send."""
-        self._set_deadline()
+        self.deadline = earliest(
+            self._agenda[0][0] if self._agenda else None,
+            None if self._sync is None else self._sync.deadline,
+            self._heartbeat.deadline,
+            self._lss.deadline,
+        )
         frames, self._frames = self._frames, []
         return frames
 
@@ -366,11 +372,3 @@ class ManagerStation:
             with suppress(LinkError):
                 self.link.send(frames, self)
         self.link.refresh(self)
-
-    def _set_deadline(self) -> None:
-        deadline = self._agenda[0][0] if self._agenda else None
-        sync = None if self._sync is None else self._sync.deadline
-        for other in (sync, self._heartbeat.deadline, self._lss.deadline):
-            if other is not None and (deadline is None or other < deadline):
-                deadline = other
-        self.deadline = deadline

@@ -382,9 +382,7 @@ class NodeControl:
         return max(1, self._heartbeat_timeout // (_LIFE_FACTOR * MILLISECOND))
 
     def _default(self, number: ObjectNumber) -> int:
-        described = self._description.by_number.get(number)
-        default = None if described is None else described.initial(self._node.node_id)
-        return default if isinstance(default, int) else 0
+        return self._description.initial_number(number, self._node.node_id)
 
     def _read_number(self, number: ObjectNumber) -> Generator[str, None, int | None]:
         """Return an unsigned integer, None if the node aborts."""

@@ -23,6 +23,7 @@ from rtgen.runtime.canopen.wire.frames import (
     NMT,
     CobId,
     Frame,
+    earliest,
 )
 from rtgen.runtime.canopen.wire.guarding import NodeGuard
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatConsumer, HeartbeatNews
@@ -346,9 +347,11 @@ class ProxiedNode:
         self._watcher.received()
 
     def _set_deadline(self) -> None:
-        times = [self._consumer.deadline, self._guard.deadline]
-        times += [transmitter.deadline for transmitter in self._transmitters]
-        self.deadline = min((t for t in times if t is not None), default=None)
+        self.deadline = earliest(
+            self._consumer.deadline,
+            self._guard.deadline,
+            *[transmitter.deadline for transmitter in self._transmitters],
+        )
 
     def _on_heartbeat(self, frame: Frame, now: int) -> None:
         if frame.remote or not self._guard.accepts(frame):

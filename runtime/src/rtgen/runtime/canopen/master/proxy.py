@@ -7,16 +7,14 @@ transition are listed in `docs/canopen.md`.
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, Final
 
 from rtgen.facts.canopen_parameters import COMPONENT_FACTS
 from rtgen.runtime.canopen import values
 from rtgen.runtime.canopen.bus.links import open_link
 from rtgen.runtime.canopen.bus.sdo_channel import Outcome, SdoChannel
-from rtgen.runtime.canopen.description import (
-    ObjectNumber,
-    ObjectValue,
-)
+from rtgen.runtime.canopen.description import ObjectNumber, ObjectValue
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.hooks import ProxyHooks
 from rtgen.runtime.canopen.master.node_control import (
@@ -25,18 +23,13 @@ from rtgen.runtime.canopen.master.node_control import (
     Steps,
     reason_of,
 )
-from rtgen.runtime.canopen.master.proxied_node import (
-    ProxiedNode,
-)
+from rtgen.runtime.canopen.master.proxied_node import ProxiedNode
 from rtgen.runtime.canopen.master.proxy_connection import (
     ProxyConnection,
     planned,
     settings_of,
 )
-from rtgen.runtime.canopen.master.proxy_location import (
-    cob_ids,
-    place,
-)
+from rtgen.runtime.canopen.master.proxy_location import cob_ids, place
 from rtgen.runtime.canopen.master.recovery import Recovery
 from rtgen.runtime.canopen.master.state_mirror import StateMirror
 from rtgen.runtime.canopen.pdo import PdoError
@@ -74,9 +67,9 @@ class CanopenProxy(ProxyHooks, Component, **COMPONENT_FACTS):
         self._reported: set[int] = set()
         self._without_blocks = False
         self.configuration_sets.on_change = self._parameters_changed
-        self.observables["malformed"] = self._malformed
-        self.observables["refused"] = self._refused
-        self.observables["overwritten"] = self._overwritten
+        self.observables["malformed"] = partial(self._counts, "too_short", "too_long")
+        self.observables["refused"] = partial(self._counts, "refused")
+        self.observables["overwritten"] = partial(self._counts, "overwritten")
 
     # Callbacks
 
@@ -252,23 +245,10 @@ class CanopenProxy(ProxyHooks, Component, **COMPONENT_FACTS):
         dropped = 0 if connection is None else connection.node.dropped
         return super().lost + self._dropped + dropped
 
-    def _malformed(self) -> tuple[float, float]:
-        """Return the numbers of short and of long PDOs of the device since joining the bus."""
-        connection = self._connection
-        if connection is None:
-            return 0.0, 0.0
-        return float(connection.node.too_short), float(connection.node.too_long)
-
-    def _refused(self) -> tuple[float]:
-        """Return the number of PDOs with a value that its port cannot have."""
-        return (
-            0.0 if self._connection is None else float(self._connection.node.refused),
-        )
-
-    def _overwritten(self) -> tuple[float]:
-        """Return the number of values replaced before their SYNC or inhibit time."""
-        connection = self._connection
-        return (0.0 if connection is None else float(connection.node.overwritten),)
+    def _counts(self, *names: str) -> tuple[float, ...]:
+        """Return these counts of the node since joining the bus; 0 before."""
+        node = None if self._connection is None else self._connection.node
+        return tuple(float(getattr(node, name, 0)) for name in names)
 
     def _gate(self, request: Request) -> ReturnCode_t | None:
         try:

@@ -52,7 +52,7 @@ def default_boot_timeout(
     """
     if placed is not None:
         return placed.boot_timeout
-    return _number(description, _BOOT_TIME, 0) or BOOT_TIMEOUT
+    return description.initial_number(_BOOT_TIME, 0) or BOOT_TIMEOUT
 
 
 def cob_ids(
@@ -68,11 +68,3 @@ def cob_ids(
             CobId(description.cob_id(COB_ID_EMERGENCY, node_id)),
         )
     return CobId(network.sync_cob_id), CobId(placed.emergency_cob_id)
-
-
-def _number(
-    description: DeviceDescription, number: tuple[int, int], node_id: int
-) -> int:
-    described = description.by_number.get(number)
-    value = None if described is None else described.initial(node_id)
-    return value if isinstance(value, int) else 0

@@ -27,7 +27,7 @@ from rtgen.runtime.canopen.wire.emergency import (
     PDO_TOO_SHORT,
     RPDO_TIMEOUT,
 )
-from rtgen.runtime.canopen.wire.frames import CobId, Frame
+from rtgen.runtime.canopen.wire.frames import CobId, Frame, earliest
 from rtgen.runtime.canopen.wire.pdo_transmission import (
     EVENT_MANUFACTURER,
     EVENT_PROFILE,
@@ -231,16 +231,10 @@ class DevicePdos:
     @property
     def deadline(self) -> int | None:
         """Time of the next call of `poll`."""
-        deadline = None
-        for _, transmitter in self._timed_transmitters:
-            due = transmitter.deadline
-            if due is not None and (deadline is None or due < deadline):
-                deadline = due
-        for _, receiver in self._timed_receivers:
-            due = receiver.deadline
-            if due is not None and (deadline is None or due < deadline):
-                deadline = due
-        return deadline
+        return earliest(
+            *[each.deadline for _, each in self._timed_transmitters],
+            *[each.deadline for _, each in self._timed_receivers],
+        )
 
     def is_event(self, number: ObjectNumber, is_event: IsEvent) -> None:
         """Set the function that decides whether a change of an object triggers its TPDOs."""

@@ -11,7 +11,12 @@ from typing import Final
 from rtgen.runtime.canopen.node.emergency_producer import EmergencyProducer
 from rtgen.runtime.canopen.node.object_dictionary import DeviceDictionary
 from rtgen.runtime.canopen.wire.emergency import HEARTBEAT_LOST
-from rtgen.runtime.canopen.wire.frames import ERROR_CONTROL, MILLISECOND, Frame
+from rtgen.runtime.canopen.wire.frames import (
+    ERROR_CONTROL,
+    MILLISECOND,
+    Frame,
+    earliest,
+)
 from rtgen.runtime.canopen.wire.guarding import LifeGuard
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatProducer
 from rtgen.runtime.canopen.wire.nmt import NmtState
@@ -34,10 +39,7 @@ class ErrorControl:
     @property
     def deadline(self) -> int | None:
         """Time of the next call of `poll` or `beat`."""
-        deadline, due = self._producer.deadline, self._life.deadline
-        if deadline is None or (due is not None and due < deadline):
-            return due
-        return deadline
+        return earliest(self._producer.deadline, self._life.deadline)
 
     def begin(self, node_id: int) -> None:
         """Enter INITIALISING with a node-id."""

@@ -14,6 +14,7 @@ from rtgen.runtime.canopen.wire.frames import (
     MAX_NODE_ID,
     MILLISECOND,
     Frame,
+    earliest,
 )
 from rtgen.runtime.canopen.wire.heartbeat import (
     HeartbeatConsumer,
@@ -102,8 +103,7 @@ class HeartbeatConsumers:
                 self._noticed(node_id, event)
 
     def _settle(self) -> None:
-        deadlines = (consumer.deadline for consumer in self._consumers.values())
-        self.deadline = min((due for due in deadlines if due is not None), default=None)
+        self.deadline = earliest(*[each.deadline for each in self._consumers.values()])
 
     def _check(self, number: ObjectNumber, value: ObjectValue) -> None:
         if not number[1]:

@@ -15,7 +15,7 @@ from rtgen.runtime.canopen.node.object_dictionary import (
     DeviceDictionary,
     check_cob_id,
 )
-from rtgen.runtime.canopen.wire.frames import CobId, Frame
+from rtgen.runtime.canopen.wire.frames import CobId, Frame, earliest
 from rtgen.runtime.canopen.wire.sdo_server import SdoServer
 
 FURTHER_SERVERS: Final = SDO_SERVERS[1:]
@@ -47,10 +47,7 @@ class SdoServers:
     @property
     def deadline(self) -> int | None:
         """Time of the next call of `poll`."""
-        if not self._further:
-            return self._first.deadline
-        times = (server.deadline for server in self._all)
-        return min((time for time in times if time is not None), default=None)
+        return earliest(*[server.deadline for server in self._all])
 
     def begin(self, node_id: int) -> None:
         """Serve as a node with this node-id; transfers in progress are dropped."""

@@ -36,6 +36,7 @@ from rtgen.runtime.canopen.wire.frames import (
     MAX_NODE_ID,
     NMT,
     Frame,
+    earliest,
 )
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatEvent, HeartbeatNews
 from rtgen.runtime.canopen.wire.lss import UNCONFIGURED, LssAddress
@@ -437,20 +438,12 @@ class DeviceStation:
     def _next_deadline(self) -> int | None:
         if self._nmt is None or self._nmt.state is NmtState.INITIALISING:
             return None
-        deadline = self._error_control.deadline
-        due = self._servers.deadline
-        if due is not None and (deadline is None or due < deadline):
-            deadline = due
-        due = self.pdos.deadline
-        if due is not None and (deadline is None or due < deadline):
-            deadline = due
-        due = self._consumers.deadline
-        if due is not None and (deadline is None or due < deadline):
-            deadline = due
-        due = self.errors.deadline
-        if due is not None and self._allows(Service.EMERGENCY):
-            deadline = due if deadline is None else min(due, deadline)
-        due = self._sync.deadline
-        if due is not None and self._allows(Service.SYNC):
-            deadline = due if deadline is None else min(due, deadline)
-        return deadline
+        is_reported = self._allows(Service.EMERGENCY)
+        return earliest(
+            self._error_control.deadline,
+            self._servers.deadline,
+            self.pdos.deadline,
+            self._consumers.deadline,
+            self.errors.deadline if is_reported else None,
+            self._sync.deadline if self._allows(Service.SYNC) else None,
+        )

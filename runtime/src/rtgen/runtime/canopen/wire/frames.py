@@ -98,6 +98,15 @@ class CobId:
         return Frame(self.can_id, data, extended=self.extended)
 
 
+def earliest(*times: int | None) -> int | None:
+    """Return the earliest time of which there is one; None for never."""
+    first = None
+    for time in times:
+        if time is not None and (first is None or time < first):
+            first = time
+    return first
+
+
 def checked_node_id(node_id: int) -> int:
     """Validate a node-id. Raises ValueError unless it is 1 to 127."""
     if not 1 <= node_id <= MAX_NODE_ID:
