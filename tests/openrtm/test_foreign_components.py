@@ -268,7 +268,7 @@ def test_a_page_shows_and_steers_it(
         if (each.port.instance, each.port.port) == (name, "positon")
     ]
     page.done("channels", [channel.id])
-    watcher = page.session.watcher
+    watcher = page.session.others.watcher
     assert watcher is not None
     found = watcher._components[name]
     until(lambda: found.ports["positon"].connector_profiles)

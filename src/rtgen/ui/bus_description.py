@@ -19,7 +19,10 @@ from rtgen.ui.protocol import ui
 
 
 class BusDescriber:
-    """See `rtgen.ui.buses.Describer`; without a file the nodes have no objects."""
+    """The description of a bus; decodes its frames in the order of arrival.
+
+    Without a file the nodes have no objects.
+    """
 
     def __init__(self, file: Path | None) -> None:
         """Read the file. Raises InputError."""
@@ -33,7 +36,7 @@ class BusDescriber:
         return "" if self._node_index.bus is None else self._node_index.bus.name
 
     def bus(self, name: str) -> ui.Bus:
-        """Return the bus and its described nodes."""
+        """Return the bus and its described nodes, whose states are unknown."""
         bus = self._node_index.bus
         rate = 0 if bus is None else 1000 * bus.bit_rate
         computed = -1.0
@@ -51,7 +54,7 @@ class BusDescriber:
         return ui.Bus(name=name, bit_rate=rate, computed_load=computed, nodes=nodes)
 
     def frame(self, frame: Frame) -> ui.Frame:
-        """Return a decoded frame, with its values."""
+        """Return a decoded frame with its values, without time and bus."""
         decoded = self._decoder.decode(frame)
         return ui.Frame(
             can_id=frame.can_id,
@@ -65,7 +68,7 @@ class BusDescriber:
         )
 
     def objects(self, node_id: int) -> Sequence[ui.ObjectEntry]:
-        """Return the objects of a node by number."""
+        """Return the objects of a node by number; none without a description."""
         node = self._node_index.nodes.get(node_id)
         if node is None:
             return ()
@@ -82,7 +85,7 @@ class BusDescriber:
         ]
 
     def octets(self, node_id: int, number: tuple[int, int], text: str) -> bytes:
-        """Return the octets of a value of an object."""
+        """Return the octets of a value of an object. Raises CommandError."""
         node = self._node_index.nodes.get(node_id)
         thing = None if node is None else node.objects.get(number)
         if thing is None:
@@ -94,7 +97,7 @@ class BusDescriber:
             raise CommandError(BAD_VALUE, message) from error
 
     def text(self, node_id: int, number: tuple[int, int], octets: bytes) -> str:
-        """Return the value of an object; octets if it is not described."""
+        """Return the value of an object with its unit; octets if it is not described."""
         node = self._node_index.nodes.get(node_id)
         thing = None if node is None else node.objects.get(number)
         if node is None or thing is None:

@@ -2,10 +2,10 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
 from dataclasses import dataclass
-from typing import Final, Protocol
+from typing import TYPE_CHECKING, Final, Protocol
 
 from rtgen.runtime.canopen.bus.arbitration import frame_bits
 from rtgen.runtime.canopen.errors import LinkError
@@ -23,6 +23,9 @@ from rtgen.tools.running.bus_access import (
 from rtgen.ui.errors import BAD_VALUE, CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
 
+if TYPE_CHECKING:
+    from rtgen.ui.bus_description import BusDescriber
+
 COMMANDS: Final = {
     "start": NmtCommand.START,
     "stop": NmtCommand.STOP,
@@ -34,35 +37,16 @@ _WINDOW: Final = 1.0
 """The time over which the load is measured [s]."""
 
 
-class Describer(Protocol):
-    """The description of a bus; decodes its frames in the order of arrival."""
-
-    def bus(self, name: str) -> ui.Bus:
-        """Return the bus with its nodes, whose states are unknown."""
-
-    def frame(self, frame: Frame) -> ui.Frame:
-        """Return a decoded frame, without time and bus."""
-
-    def objects(self, node_id: int) -> Sequence[ui.ObjectEntry]:
-        """Return the object dictionary of a node; empty without a description."""
-
-    def octets(self, node_id: int, number: tuple[int, int], text: str) -> bytes:
-        """Encode a value. Raises CommandError."""
-
-    def text(self, node_id: int, number: tuple[int, int], octets: bytes) -> str:
-        """Return a value as text, with its unit."""
-
-
 @dataclass
 class _Bus:
-    describer: Describer
+    describer: BusDescriber
     state: ui.Bus
     window: float = 0.0
     bits: int = 0
     frames: int = 0
 
 
-DescriberOf = Callable[[str, str], Describer]
+DescriberOf = Callable[[str, str], "BusDescriber"]
 """Describes a bus by the names of its channel and its network, which may be empty."""
 
 

@@ -190,10 +190,10 @@ class Commands:
         value: Any = command.value
         _require_right(page, command)
         elsewhere = self._remote_commands.action(command, result)
-        watcher = self._session.watcher
+        watcher = self._session.others.watcher
         if elsewhere is not None and watcher is not None:
             return Later(watcher.submit, elsewhere)
-        if kind in _OF_FILES and self._session.others.is_attached:
+        if kind in _OF_FILES and self._session.remote.is_attached:
             raise CommandError(
                 IMPOSSIBLE,
                 "not possible in a run that is only watched",
@@ -361,7 +361,7 @@ class Commands:
         self, component: SystemComponent, place: tuple[float, float] | None
     ) -> None:
         session, name = self._session, component.instance
-        if component.type not in session.known_types:
+        if component.type not in (each.type for each in session.palette):
             raise CommandError(UNKNOWN, f"the project knows no type {component.type}")
         folder = Path(session.profile.file).absolute().parent
         session.project.add(session.system, component, folder)
@@ -583,7 +583,7 @@ class Commands:
         self._publish_time()
 
     def _compare_with_this_run(self, kept: bool) -> None:
-        if not self._session.others.is_attached:
+        if not self._session.remote.is_attached:
             self._require_simulated()
         self._session.keep(kept=kept)
 

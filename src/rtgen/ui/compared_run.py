@@ -11,11 +11,14 @@ import msgspec
 
 from rtgen.runtime.marshalling.descriptors import Descriptor
 from rtgen.ui.buses import DescriberOf
+from rtgen.ui.channels import Channels
 from rtgen.ui.history import History
 from rtgen.ui.protocol import ui
 from rtgen.ui.reading import MAX_OCTETS, Reading
 from rtgen.ui.type_table import TypeTable
 
+_BEFORE: Final = "the run before"
+"""The name of a kept run, which is compared with the next one."""
 _PART: Final = 60.0
 """Maximum time that is reported at once [s]."""
 
@@ -55,6 +58,45 @@ class ComparedRun(msgspec.Struct, eq=False):
         ]
 
 
+class Comparison:
+    """The run that pages compare with this one, if any: a recording, or the run before."""
+
+    def __init__(self, recording: ComparedRun | None) -> None:
+        self.run = self._recording = recording
+        self.keeps = False
+        """Whether this run is kept for comparison when time is set back."""
+
+    @property
+    def name(self) -> str:
+        """The name of the compared run; empty without one."""
+        return "" if self.run is None else self.run.name
+
+    @property
+    def channels(self) -> list[ui.Channel]:
+        """The channels of the compared run."""
+        return [] if self.run is None else [*self.run.channels.values()]
+
+    def take(self, recording: ComparedRun | None) -> None:
+        """Compare a recording with this run and the next ones, or nothing."""
+        self.run = self._recording = recording
+        self.keeps = False
+
+    def keep(self, *, kept: bool) -> None:
+        """Set whether this run is kept for comparison when time is set back."""
+        self.keeps = kept
+        if not kept or self.run is self._recording:
+            self.run = self._recording = None
+
+    def open(self) -> None:
+        """Compare runs of another system with the recording alone."""
+        self.keeps, self.run = False, self._recording
+
+    def end(self, history: History, channels: Channels) -> None:
+        """Compare the next run with the one that ends, if that is to be kept."""
+        if self.keeps and self.run is None:
+            self.run = _kept(history, channels)
+
+
 def _as_other_run(changes: Sequence[ui.Event]) -> Iterator[ui.Event]:
     for event in changes:
         if event.discriminator is ui.EventKind.EVENT_STATE:
@@ -73,16 +115,16 @@ def read(file: str, numbers: Iterator[int], describer: DescriberOf) -> ComparedR
     return ComparedRun(Path(file).name, reading.history, channels, reading.descriptors)
 
 
-def kept(
-    name: str, history: History, channels: Sequence[ui.Channel], numbers: Iterator[int]
-) -> ComparedRun:
+def _kept(history: History, channels: Channels) -> ComparedRun:
     """Return the previous run of the same system, whose channels get new numbers."""
     return ComparedRun(
-        name,
+        _BEFORE,
         history,
         {
-            each.id: ui.Channel(next(numbers), each.port, each.type_number, True)
-            for each in channels
+            each.id: ui.Channel(
+                next(channels.numbers), each.port, each.type_number, True
+            )
+            for each in [*channels.values()]
             if not each.beside
         },
     )

@@ -8,7 +8,9 @@ from typing import TYPE_CHECKING, Final
 from rtgen.compiler.diagnostics import Diagnostic, Severity, Span
 from rtgen.compiler.model import Connection, PortReference
 from rtgen.compiler.systems.connections import ALLOWABLE
+from rtgen.runtime.system.system import System
 from rtgen.tools.running.joins import unit_findings
+from rtgen.ui.changes import ports_of
 from rtgen.ui.errors import NO_FIT, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
 
@@ -27,7 +29,7 @@ def fits(session: Session, address: ui.PortAddress) -> list[ui.Fit]:
     within = [
         ui.PortAddress(instance=each, port=port)
         for each in system.instances
-        for port in session.port_names(each)
+        for port in port_names(system, each)
     ]
     if address.instance in remote.components:
         if remote.port(address) is None:
@@ -39,7 +41,7 @@ def fits(session: Session, address: ui.PortAddress) -> list[ui.Fit]:
             *((there, _remote_obstacle(session, there, address)) for there in within),
         ]
     else:
-        session.require_port(address.instance, address.port)
+        require_port(system, address.instance, address.port)
         here = address.instance, address.port
         obstacles = [
             (there, _remote_obstacle(session, address, there))
@@ -51,6 +53,18 @@ def fits(session: Session, address: ui.PortAddress) -> list[ui.Fit]:
             if there != address
         )
     return [_fit(session, address, *each) for each in obstacles]
+
+
+def port_names(system: System, instance: str) -> list[str]:
+    """Return the names of a component's ports, each once."""
+    ports = ports_of(system, instance)
+    return [*dict.fromkeys((*ports.data, *ports.service))]
+
+
+def require_port(system: System, instance: str, port: str) -> None:
+    """Raise CommandError or RtcError if the port does not exist."""
+    if port not in port_names(system, instance):
+        raise CommandError(UNKNOWN, f"{instance} has no port {port!r}")
 
 
 def require_fitting(session: Session, command: ui.Connect) -> None:

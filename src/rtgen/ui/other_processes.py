@@ -67,11 +67,6 @@ class OtherProcesses:
         """The time of the run that is watched [s]; None if there is none."""
         return None if self.watcher is None else self.watcher.time
 
-    @property
-    def is_attached(self) -> bool:
-        """Whether a run is shown instead of one of this process."""
-        return self.state.run.number > 0
-
     def watch(self, channels: Iterable[ui.Channel]) -> None:
         """Receive the samples of these channels, if they are of other processes."""
         if self.watcher is not None:
@@ -235,7 +230,7 @@ class OtherProcesses:
     def open(self) -> list[ui.Channel]:
         """Return the channels of new OutPorts."""
         return [
-            self._session.channel(instance, port.name, port.type_number)
+            self._session.channels.opened(instance, port.name, port.type_number)
             for instance, component in self.state.components.items()
             for port in component.ports
             if port.kind is ui.PortKind.PORT_OUT

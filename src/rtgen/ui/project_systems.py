@@ -62,7 +62,7 @@ _MAX_RECORDINGS = 100
 
 
 class CommandProject:
-    """The project of the systems on the command line; see `rtgen.ui.project.Project`."""
+    """The project of the systems on the command line, and how they are created."""
 
     def __init__(
         self,
@@ -95,12 +95,15 @@ class CommandProject:
 
     @property
     def systems(self) -> Sequence[str]:
-        """The systems on the command line."""
+        """The files that can be opened: the systems on the command line."""
         return self._files
 
     @property
     def recordings(self) -> Sequence[str]:
-        """The recordings in the working folder, and beside the systems of the command line."""
+        """The recordings that can be compared with a run, the latest first.
+
+        They are in the working folder, and beside the systems of the command line.
+        """
         files: dict[Path, float] = {}
         for folder in self._roots():
             with suppress(OSError):
@@ -110,7 +113,7 @@ class CommandProject:
         return [shown(each) for each in latest[:_MAX_RECORDINGS]]
 
     def recording(self, name: str) -> str:
-        """Return the file of a recording below those folders."""
+        """Return the file of a recording below those folders. Raises CommandError."""
         path = Path(name).resolve()
         inside = any(path.is_relative_to(each) for each in self._roots())
         if path.suffix.lower() != _RECORDING or not inside:
@@ -126,7 +129,10 @@ class CommandProject:
         return [Path.cwd().resolve(), *beside]
 
     def read(self, file: str) -> Opened:
-        """Return the system of a file or folder; without one, a system without components."""
+        """Return the system of a file or folder; without one, a system without components.
+
+        Raises InputError.
+        """
         from rtgen.ui.documents.document import Document
         from rtgen.ui.project import Opened
 
@@ -160,7 +166,9 @@ class CommandProject:
     def write(self, file: str, data: bytes, own: Known, *, replace: bool) -> str:
         """Write a system, below the working folder or beside a system of the command line.
 
-        Only a file that describes a system is replaced.
+        Only a file that describes a system is replaced. `own` is the file of the session. Other
+        content than that is only replaced if `replace`; then it is kept in another file, whose name
+        is returned, else an empty text. Raises CommandError, with QUESTION if the user must decide.
         """
         path = _path_of(file).resolve()
         inside = any(path.is_relative_to(each) for each in self._roots())
@@ -255,7 +263,7 @@ class CommandProject:
         """Return a system with the timeline of its file as opened.
 
         Nothing is activated before time passes. Foreign components and their connections are
-        omitted.
+        omitted. Raises InputError, ToolError.
         """
         simulated = isinstance(clock, runtime.SimulatedClock)
         report = FailureReport(self._console, FailureOptions(), simulated=simulated)
@@ -297,12 +305,18 @@ class CommandProject:
     def add(
         self, system: runtime.System, component: SystemComponent, folder: Path
     ) -> None:
-        """Add a component whose type has a factory."""
+        """Add a component whose type has a factory to a running system, whose file is in a folder.
+
+        Raises InputError, ToolError.
+        """
         report = FailureReport(self._console, FailureOptions())
         add_component(system, component, self._factories, folder, report)
 
     def record(self, system: runtime.System) -> Callable[[], None]:
-        """Record a run; each has a file of its own: `FILE.mcap`, `FILE-2.mcap`, ..."""
+        """Record a run from now on, if runs are recorded; return a function that ends it.
+
+        Each has a file of its own: `FILE.mcap`, `FILE-2.mcap`, ...
+        """
         self._runs += 1
         options = self._recording.numbered(self._runs)
         files = ExitStack()
@@ -337,11 +351,14 @@ class CommandProject:
         return BusDescriber(named)
 
     def data_type(self, name: str) -> type[DataType] | None:
-        """Return a type declared by the project or by OpenRTM."""
+        """Return a type of the project or of OpenRTM; None if unknown.
+
+        `name` is its scoped name or the last part of that.
+        """
         return self._types.data_type(name)
 
     def interface(self, name: str) -> type[Servant] | None:
-        """Return an interface declared by the project."""
+        """Return an interface of the project by its name, as that of a type; None if unknown."""
         return self._types.interface(name)
 
     def codec(self, type_: str) -> Codec | None:
@@ -362,7 +379,10 @@ class CommandProject:
         return boards.codec_of(component)
 
     def palette(self) -> Sequence[ComponentProfile]:
-        """Return the types whose factories are importable classes."""
+        """Return the component types of which pages can add instances.
+
+        Their factories are importable classes.
+        """
         components = []
         for name in sorted(self._factories.types):
             try:

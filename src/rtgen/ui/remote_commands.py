@@ -47,7 +47,7 @@ class RemoteCommands:
 
         Raises CommandError.
         """
-        watcher = self._session.watcher
+        watcher = self._session.others.watcher
         if watcher is None:
             return None
         value: Any = command.value
@@ -58,7 +58,7 @@ class RemoteCommands:
             case CommandKind.COMMAND_RESTORE:
                 commands = [(c, self._effect(c)) for c in self._differences()]
                 return partial(self._restore, watcher, commands)
-            case _ if self._session.is_attached and kind in _OF_BUSES:
+            case _ if self._session.remote.is_attached and kind in _OF_BUSES:
                 return partial(self._on_bus, command, result)
             case _ if not self._is_remote(command):
                 return None

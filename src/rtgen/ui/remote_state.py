@@ -48,6 +48,11 @@ class RemoteState:
     chains: Sequence[ui.Chain] = ()
     run: RemoteRun = RemoteRun()
 
+    @property
+    def is_attached(self) -> bool:
+        """Whether a run of another process is shown instead of one of this one."""
+        return self.run.number > 0
+
     def known(self, known: Callable[[ui.Port], ui.Port]) -> RemoteState:
         """Return a copy whose ports are completed by a function."""
         components = {

@@ -14,6 +14,7 @@ from rtgen.facts.encodings import decode
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.ui.edits import Edit
 from rtgen.ui.errors import IMPOSSIBLE, UNKNOWN, WRONG_STATE, CommandError
+from rtgen.ui.fitting import require_port
 from rtgen.ui.protocol import ui
 from rtgen.ui.protocol.ui import RenameKind
 
@@ -60,7 +61,7 @@ def _planned(session: Session, command: ui.Rename) -> Renaming:
         )
     name = session.system.component(instance).profile.type_name
     if command.kind is RenameKind.RENAME_PORT:
-        session.require_port(instance, command.part)
+        require_port(session.system, instance, command.part)
     elif command.kind is RenameKind.RENAME_PARAMETER:
         sets = session.system.component(instance).configuration_sets
         if command.part not in (each.name for each in sets.parameters):

@@ -2,12 +2,10 @@
 
 from __future__ import annotations
 
-import itertools
 import uuid
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from functools import partial
-from time import monotonic
-from typing import TYPE_CHECKING, Any, Final
+from typing import TYPE_CHECKING, Final
 
 from msgspec.structs import replace
 
@@ -17,29 +15,27 @@ from rtgen.compiler.model import System, SystemComponent
 from rtgen.compiler.systems import conditions
 from rtgen.facts.openrtm_ports import foreign_instances
 from rtgen.runtime.failures import Failure
-from rtgen.runtime.ports.data_ports import DataConnector
 from rtgen.runtime.system.joining import Connector, instances_of
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.running.bus_access import BusAccess
-from rtgen.ui import compared_run, description
+from rtgen.ui import compared_run
 from rtgen.ui.buses import Buses
 from rtgen.ui.changes import Changes
-from rtgen.ui.compared_run import ComparedRun
-from rtgen.ui.description import (
-    Description,
-    palette_entry,
-)
+from rtgen.ui.channels import Channels
+from rtgen.ui.compared_run import ComparedRun, Comparison
+from rtgen.ui.description import Description, palette_entry
 from rtgen.ui.documents.document import Document, DocumentError
 from rtgen.ui.edits import Edits
-from rtgen.ui.errors import FILE, UNKNOWN, CommandError
+from rtgen.ui.errors import FILE, CommandError
 from rtgen.ui.flows import Chains, Flows
 from rtgen.ui.history import History
 from rtgen.ui.other_processes import OtherProcesses
-from rtgen.ui.outbox import MAX_SAMPLES, Outbox
+from rtgen.ui.outbox import Outbox
 from rtgen.ui.pages import Pages
-from rtgen.ui.project import Known, Project, RunWatcher
+from rtgen.ui.project import Known, RunWatcher
 from rtgen.ui.protocol import ui
 from rtgen.ui.remote_state import RemoteState
+from rtgen.ui.reports import Reports
 from rtgen.ui.runner import Runner
 from rtgen.ui.system_events import SystemEvents
 from rtgen.ui.system_state import whole
@@ -48,14 +44,11 @@ from rtgen.ui.type_table import TypeTable
 
 if TYPE_CHECKING:
     from rtgen.runtime.corba.rt_objects.publishing import RtObjects
-    from rtgen.ui.watching import Attach, Watcher
+    from rtgen.ui.project_systems import CommandProject
+    from rtgen.ui.watching import Attach
 
 Place = tuple[float, float]
 _MAX_NOTICE_LENGTH: Final = 2000
-_FLOWS_INTERVAL: Final = 1.0
-"""Time between two counts of the samples on connections [s]."""
-_BEFORE: Final = "the run before"
-"""The name of a kept run, which is compared with the next one."""
 
 
 class Session:
@@ -70,7 +63,7 @@ class Session:
 
     def __init__(
         self,
-        project: Project,
+        project: CommandProject,
         file: str,
         clock: Callable[[], runtime.Clock] = runtime.SimulatedClock,
         name_servers: Sequence[str] = (),
@@ -103,20 +96,13 @@ class Session:
         """The components of other processes in the file, by their paths."""
         self._clock = clock
         self.pages = Pages()
-        self.channels: dict[tuple[str, str], ui.Channel] = {}
-        """The channels of OutPorts, by instance and port."""
-        self._numbers = itertools.count(1)
-        self._counts: dict[str, ui.Statistics] = {}
-        self._recorded: ComparedRun | None = None
-        if recording:
-            self._recorded = self.read_beside(recording)
-            self._recorded.enter_types(self.types)
-        self.beside: ComparedRun | None = self._recorded
-        """The run that pages compare with this one."""
+        self.channels = Channels()
+        run = self.read_beside(recording) if recording else None
+        if run is not None:
+            run.enter_types(self.types)
+        self.beside = Comparison(run)
         self.ended = ""
         """Why the run is over; empty while it is not."""
-        self.keeps = False
-        """Whether this run is kept for comparison when time is set back."""
         self._end_recording: Callable[[], None] = lambda: None
         self.renew_palette()
         self.runner = Runner(self.made(file), self._report, self._ended)
@@ -124,7 +110,6 @@ class Session:
         self.history: History
         self.flows: Flows
         self.chains: Chains
-        self._next_flows = 0.0
         self.own = own
         self.others = OtherProcesses(self)
         self._watch()
@@ -140,7 +125,6 @@ class Session:
     def renew_palette(self) -> None:
         """Take over the component types that the project has now."""
         self.palette = [palette_entry(each) for each in self.project.palette()]
-        self.known_types = frozenset(each.type for each in self.palette)
 
     @property
     def system(self) -> runtime.System:
@@ -151,16 +135,6 @@ class Session:
     def remote(self) -> RemoteState:
         """The components of other processes."""
         return self.others.state
-
-    @property
-    def is_attached(self) -> bool:
-        """Whether the run of another process is shown instead of one of this one."""
-        return self.others.is_attached
-
-    @property
-    def watcher(self) -> Watcher | None:
-        """Who follows them."""
-        return self.others.watcher
 
     def made(self, file: str) -> runtime.System:
         """Create the system of a file, INACTIVE. Raises InputError or ToolError."""
@@ -200,7 +174,6 @@ class Session:
         self._end_recording()
         self.ended = ""
         self.channels.clear()
-        self._counts.clear()
         self.runner.replace(system)
         self._watch()
         whole = ui.Event.of_whole(self.whole())
@@ -213,7 +186,7 @@ class Session:
             system = self.made(file)
         except (InputError, ToolError, OSError) as error:
             raise CommandError(FILE, explained(error)) from error
-        self.keeps, self.beside = False, self._recorded
+        self.beside.open()
         self.change_system(system)
 
     def run_again(self) -> None:
@@ -227,30 +200,23 @@ class Session:
             raise CommandError(FILE, str(error)) from error
         system = self.assembled(written)
         self.changes = Changes(self.edits, written, system)
-        if self.keeps and self.beside is None:
-            channels = [*self.channels.values()]
-            self.beside = compared_run.kept(
-                _BEFORE, self.history, channels, self._numbers
-            )
+        self.beside.end(self.history, self.channels)
         self.change_system(system)
 
     def keep(self, *, kept: bool) -> None:
         """Set whether this run is kept for comparison when time is set back."""
-        self.keeps = kept
-        if not kept or self.beside is self._recorded:
-            self.beside = self._recorded = None
+        self.beside.keep(kept=kept)
         self._look_again()
 
     def read_beside(self, file: str) -> ComparedRun:
         """Read a recording, for `compare`; from any thread. Raises ToolError."""
-        return compared_run.read(file, self._numbers, self.project.describer)
+        return compared_run.read(file, self.channels.numbers, self.project.describer)
 
     def compare(self, run: ComparedRun | None) -> None:
         """Compare a recording with this run and the next ones, or nothing."""
         if run is not None:
             run.enter_types(self.types)
-        self._recorded = self.beside = run
-        self.keeps = False
+        self.beside.take(run)
         self._look_again()
 
     def _look_again(self) -> None:
@@ -270,12 +236,14 @@ class Session:
         self.history = History()
         self.flows = Flows()
         self.chains = Chains(system)
-        if self.beside is not None:
-            self.beside.begin()
+        self._reports = Reports(self)
+        if self.beside.run is not None:
+            self.beside.run.begin()
         access = BusAccess(system)
         self.buses = Buses(self.project.describer, self._settings, self.publish, access)
-        if self.watcher is not None and self.watcher.access is not None:
-            self.buses.access = self.watcher.access
+        watcher = self.others.watcher
+        if watcher is not None and watcher.access is not None:
+            self.buses.access = watcher.access
         for instance in system.instances:
             self.channels_of(instance)
         self.others.open()
@@ -307,7 +275,7 @@ class Session:
 
         Numbers of channels that do not exist are ignored.
         """
-        open_channels = (*self.channels.values(), *self.channels_beside)
+        open_channels = (*self.channels.values(), *self.beside.channels)
         watched = frozenset(channels).intersection(each.id for each in open_channels)
         added = watched - page.watched
         page.watched = watched
@@ -329,10 +297,9 @@ class Session:
             events.append(ui.Event.of_chains(self.chains.latest))
         else:
             whole = events[0].whole
-            beside = self.channels_beside
             own = [each for each in whole.channels if not each.beside]
-            whole.beside, whole.keeps = self.name_beside, self.keeps
-            whole.channels = [*own, *beside]
+            whole.beside, whole.keeps = self.beside.name, self.beside.keeps
+            whole.channels = [*own, *self.beside.channels]
         page.show([*first, *events], None if time < 0 else now)
 
     def publish(self, *events: ui.Event) -> None:
@@ -346,16 +313,6 @@ class Session:
         state = whole(self)
         self.pages.sent_types = len(state.types)
         return state
-
-    @property
-    def name_beside(self) -> str:
-        """The name of the compared run; empty without one."""
-        return "" if self.beside is None else self.beside.name
-
-    @property
-    def channels_beside(self) -> list[ui.Channel]:
-        """The channels of the compared run."""
-        return [] if self.beside is None else [*self.beside.channels.values()]
 
     @property
     def connectors(self) -> list[Connector]:
@@ -414,38 +371,18 @@ class Session:
 
     # Events of the system.
 
-    def channel(self, instance: str, port: str, type_number: int) -> ui.Channel:
-        """Return the channel of an OutPort, opening a new one."""
-        key = instance, port
-        if key not in self.channels:
-            address = ui.PortAddress(instance=instance, port=port)
-            self.channels[key] = ui.Channel(next(self._numbers), address, type_number)
-        return self.channels[key]
-
     def channels_of(self, instance: str) -> list[ui.Channel]:
         """Return the channels of a component's OutPorts, opening new ones."""
         return [
-            self.channel(instance, name, self.describe.type_number(port.type))
+            self.channels.opened(instance, name, self.describe.type_number(port.type))
             for name, port in self.system.component(instance).out_ports.items()
         ]
 
     def forget(self, instance: str) -> None:
         """Forget a removed component."""
         self.places.pop(instance, None)
-        self._counts.pop(instance, None)
-        for key in [key for key in self.channels if key[0] == instance]:
-            del self.channels[key]
-
-    def port_names(self, instance: str) -> list[str]:
-        """Return the names of a component's ports, each once."""
-        component = self.system.component(instance)
-        services = (port for port, _ in (*component.providers, *component.consumers))
-        return [*dict.fromkeys((*component.in_ports, *component.out_ports, *services))]
-
-    def require_port(self, instance: str, port: str) -> None:
-        """Raise CommandError or RtcError if the port does not exist."""
-        if port not in self.port_names(instance):
-            raise CommandError(UNKNOWN, f"{instance} has no port {port!r}")
+        self._reports.forget(instance)
+        self.channels.forget(instance)
 
     def sample(self, sample: ui.Sample) -> None:
         """Keep a sample, and send it to the pages that watch its channel; from any thread."""
@@ -479,66 +416,7 @@ class Session:
         self.publish(ui.Event.of_clock(self.time()))
 
     def _report(self) -> None:
-        """Publish the time, events of the compared run, and changed statistics."""
-        has_more_beside = self.beside is not None and self._report_beside(self.beside)
-        if not self.pages:
-            return
-        if self.runner.playing or has_more_beside:
-            self.publish(ui.Event.of_clock(self.time()))
-        changed = []
-        for each in (
-            *description.statistics(self.system, self.system.instances),
-            *self.remote.statistics.values(),
-        ):
-            before = self._counts.get(each.instance)
-            if each != before:
-                self._counts[each.instance] = each
-                changed.append(each)
-                if before is not None and each.overruns > before.overruns:
-                    count = each.overruns - before.overruns
-                    self.notice("overrun", each.instance, f"{count} more")
-        self.history.statistics(self.now, changed)
-        if self._is_time_for_flows():
-            if self.flows.changed(self.now, self.connectors, self.source_channel):
-                self.pages.put_in_all(ui.Event.of_flows(self.flows.latest))
-            if self.chains.changed():
-                self.pages.put_in_all(ui.Event.of_chains(self.chains.latest))
-        for page in self.pages:
-            if changed:
-                page.statistics(changed)
-            if page.missed_changes:
-                page.put(ui.Event.of_whole(self.whole()))
-
-    def _report_beside(self, run: ComparedRun) -> bool:
-        """Publish what has happened in the compared run; return whether there are samples."""
-        events, samples = run.until(self.now)
-        for event in events:
-            self.history.add(event.other.time, event)
-        self.pages.put(self.types.nodes, events)
-        if len(samples) <= MAX_SAMPLES:
-            for sample in samples:
-                self.sample(sample)
-            return bool(samples)
-        # After a leap in time, a page gets samples of the whole run, not only the newest.
-        for sample in samples:
-            self.history.sample(sample)
-        for page in self.pages:
-            channels = page.watched.intersection(e.id for e in self.channels_beside)
-            page.show_samples(self.history.samples(self.now, channels), channels)
-        return True
-
-    def _is_time_for_flows(self) -> bool:
-        now = monotonic()
-        if now < self._next_flows:
-            return False
-        self._next_flows = now + _FLOWS_INTERVAL
-        return True
-
-    def source_channel(self, connector: DataConnector[Any]) -> int | None:
-        """Return the number of the channel of the OutPort of a connection."""
-        source = connector.source
-        channel = self.channels.get((source.owner, source.name))
-        return None if channel is None else channel.id
+        self._reports.send()
 
     def close(self) -> None:
         """Notify the pages, and end the run."""

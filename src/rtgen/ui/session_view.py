@@ -9,10 +9,14 @@ from rtgen import runtime
 from rtgen.compiler.model import System, SystemComponent
 from rtgen.runtime.system.joining import Connector
 from rtgen.ui.buses import Buses
+from rtgen.ui.channels import Channels
+from rtgen.ui.compared_run import Comparison
 from rtgen.ui.description import Description
 from rtgen.ui.edits import Edits
 from rtgen.ui.flows import Chains, Flows
-from rtgen.ui.project import Project
+from rtgen.ui.history import History
+from rtgen.ui.pages import Pages
+from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.protocol import ui
 from rtgen.ui.remote_state import RemoteState
 from rtgen.ui.runner import Runner
@@ -23,31 +27,24 @@ class SessionView(Protocol):
     """The session, as its parts know it."""
 
     buses: Buses
-    channels: dict[tuple[str, str], ui.Channel]
+    beside: Comparison
+    channels: Channels
     describe: Description
     edits: Edits
     flows: Flows
     chains: Chains
     foreign: Mapping[str, SystemComponent]
     places: dict[str, tuple[float, float]]
-    keeps: bool
+    history: History
+    pages: Pages
     palette: list[ui.PaletteEntry]
     profile: System
-    project: Project
+    project: CommandProject
     types: TypeTable
     runner: Runner
 
     @property
-    def channels_beside(self) -> list[ui.Channel]: ...
-
-    @property
     def connectors(self) -> list[Connector]: ...
-
-    @property
-    def is_attached(self) -> bool: ...
-
-    @property
-    def name_beside(self) -> str: ...
 
     @property
     def now(self) -> float: ...
@@ -57,8 +54,6 @@ class SessionView(Protocol):
 
     @property
     def system(self) -> runtime.System: ...
-
-    def channel(self, instance: str, port: str, type_number: int) -> ui.Channel: ...
 
     def component(self, instance: str) -> ui.Component: ...
 
@@ -77,5 +72,7 @@ class SessionView(Protocol):
     def sample(self, sample: ui.Sample) -> None: ...
 
     def time(self) -> ui.ClockState: ...
+
+    def whole(self) -> ui.SystemState: ...
 
     def watch_changed(self) -> None: ...

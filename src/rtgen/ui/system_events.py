@@ -46,7 +46,7 @@ class SystemEvents(Viewer):
     ) -> Callable[[Any], None]:
         """Return a writer that sends the samples of a port to the pages that watch it."""
         type_number = self._session.describe.type_number(port.type)
-        channel = self._session.channel(port.owner, port.name, type_number)
+        channel = self._session.channels.opened(port.owner, port.name, type_number)
         number = channel.id
         encode: Any = cdr_encoder(port.type)
         if channel.type_number < 0 or encode is None:

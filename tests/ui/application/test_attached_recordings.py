@@ -245,4 +245,4 @@ def test_other_files_are_not_opened(
     refused = page.ask("compared", name)
     assert not refused.done
     assert refused.message
-    assert page.session.name_beside == ""
+    assert page.session.beside.name == ""

@@ -165,7 +165,7 @@ def samples(page: Watcher, port: str) -> list[ui.Sample]:
 
 def connectors(page: Watcher, name: str, port: str) -> int:
     """Return the number of connections that a port reports, including those of pages."""
-    watcher = page.session.watcher
+    watcher = page.session.others.watcher
     assert watcher is not None
     return len(watcher._components[name].ports[port].connector_profiles)
 

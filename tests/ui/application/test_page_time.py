@@ -98,7 +98,7 @@ def test_a_run_is_kept_beside_the_next_one(page: Any, session: Session) -> None:
     figure.get_by_text(re.compile(r"x -?\d")).wait_for()
     place = figure.inner_text()
     page.get_by_role("button", name="Keep to compare").press("Enter")
-    until(page, lambda: session.keeps)
+    until(page, lambda: session.beside.keeps)
     page.get_by_role("status", name="Two runs").wait_for()
     assert figure.inner_text() == place
     page.get_by_role("button", name="Play").click()

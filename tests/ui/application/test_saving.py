@@ -20,6 +20,7 @@ from rtgen.compiler.frontends.kit import located_xml
 from rtgen.compiler.frontends.profiles import profile_yaml, rts_profile
 from rtgen.compiler.model import System
 from rtgen.ui.documents.document import Document, DocumentError
+from rtgen.ui.fitting import port_names
 from rtgen.ui.protocol import ui
 
 INTERCHANGE = ROOT / "specs/experiments/interchange"
@@ -394,7 +395,9 @@ class Editor:
     def connect(self, instances: list[str]) -> None:
         first, second = (self.draw.choice(instances) for _ in range(2))
         ports = [
-            (i, p) for i in (first, second) for p in self.bench.session.port_names(i)
+            (i, p)
+            for i in (first, second)
+            for p in port_names(self.bench.session.system, i)
         ]
         source, target = self.draw.choice(ports), self.draw.choice(ports)
         result = self.page.ask(

@@ -234,7 +234,7 @@ def test_samples_of_connections_are_counted(warm: Path) -> None:
 
     def changed() -> bool:
         return session.flows.changed(
-            session.now, session.connectors, session.source_channel
+            session.now, session.connectors, session.channels.source
         )
 
     assert changed()
