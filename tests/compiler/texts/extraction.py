@@ -406,6 +406,8 @@ def _printed(tree: ast.Module, printing: frozenset[str]) -> Iterator[str]:
                 name in printing
             ):
                 arguments.append(text)
+            case ast.Call(func=ast.Name(id="gathered")) if "grouped" in printing:
+                arguments += [k.value for k in call.keywords if k.arg == "title"]
     if not arguments:
         return
     functions = {n.name: n for n in _nodes(tree) if isinstance(n, ast.FunctionDef)}
