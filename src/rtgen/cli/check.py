@@ -53,16 +53,18 @@ def check(
 ) -> int:
     """Check all that can be checked without a run.
 
-    PATH is read as by generate. In this order: generated files that are not those of the
-    definitions (drift), systems against the definitions, the timeline.toml beside a system.xml,
-    units, also those of connected ports, behaviours against the definitions, and errors of lint.
+    PATH is read as by generate, and may be a system. In this order: generated files that are not
+    those of the definitions (drift), systems against the definitions, the timeline.toml beside a
+    system.xml, units, also those of connected ports, behaviours against the definitions, and
+    errors of lint.
     Exit code 0: nothing; 1: drift, warnings of the other parts, or a part of a device lost in its
     description; 2: errors. A finding about a generated file is at its definition, and its
     differences are printed.
     Nothing is written, and no behaviour is executed.
     """
+    alone = output is not None
     project = project_of(
-        definitions, output, add=output is None, node_id=node_id, target=target
+        definitions, output, not alone, node_id, target=target, judged=True
     )
     runs = None if no_cache else cache.default()
     result = checked(project, runs, [Part(name) for name in only] or [*Part])

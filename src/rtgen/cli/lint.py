@@ -53,6 +53,8 @@ def lint(
 ) -> int:
     """Run the lint rules on definitions.
 
+    PATH is a definition file, a system, or a folder of them.
+
     Exit code 0: nothing, or only notes; 1: warnings, including those of reading the definitions;
     2: errors, including those with which generate would refuse them. --ignore CODE, or
     `[lint] ignore` in rtgen.toml, disables a rule; --select CODE, or `[lint] select`, enables one.
@@ -62,7 +64,7 @@ def lint(
     """
     from rtgen.compiler.linting import unknown, unknown_codes
 
-    project = project_of(definitions)
+    project = project_of(definitions, judged=True)
     wrong = [*unknown(ignore, "--ignore"), *unknown(select, "--select")]
     wrong += unknown_codes(project)
     if wrong:

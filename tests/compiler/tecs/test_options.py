@@ -8,6 +8,7 @@ from typing import ClassVar
 import pytest
 from boards import SERVER, emit, imported, joined, texts, write
 
+from rtgen.api import read
 from rtgen.compiler.lowering.tecs.options import RtcOptions
 from rtgen.compiler.lowering.tecs.rules import UNKNOWN_OPTION
 from rtgen.compiler.typemap.tecs.idl import Widths
@@ -237,6 +238,21 @@ def test_component_types_of_one_name(tmp_path: Path) -> None:
         assert factories[name] == target
     skeleton = texts(emission.artifacts)["nodes/server_client.py"]
     assert "from robots.tecs.left.server_marshaller import" in skeleton
+
+
+def test_components_of_definitions_that_are_made_for_boards_too(tmp_path: Path) -> None:
+    names = ("ServerMarshaller", "ServerClient", "OpaqueRpcCommunication")
+    idl, cdl = tmp_path / "own.idl", tmp_path / "server.cdl"
+    declared = (
+        f'@rtc(category="A", vendor="b")\ncomponent {name} {{}};\n'
+        for name in (*names, "Other")
+    )
+    idl.write_text("".join(declared), encoding="utf-8")
+    cdl.write_text(joined(SERVER, "sServer"), encoding="utf-8")
+    findings = read([idl, cdl], lowered=True).diagnostics
+    taken = {d.span.line: d.message for d in findings if d.span and d.code == "CDL1006"}
+    assert sorted(taken) == [2, 4, 6]
+    assert all(name in taken[line] for line, name in zip((2, 4, 6), names, strict=True))
 
 
 @pytest.mark.parametrize(

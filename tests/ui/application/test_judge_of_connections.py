@@ -286,7 +286,9 @@ def page_that_connects(given: Pair, _: pytest.CaptureFixture[str]) -> str:
 WIRED, TIMED = "wired/system.xml", "timed/system.xml"
 ASKERS: Final[dict[str, Asker]] = {
     "lint": command("lint", file=WIRED, source=True),
+    "lint of a system": command("lint", WIRED, file=WIRED),
     "check": command("check", file=WIRED, source=True),
+    "check of a system": command("check", WIRED, file=WIRED),
     "inspect": command("inspect", WIRED, "ends.idl", file=WIRED),
     "inspect of a system alone": command("inspect", WIRED, file=WIRED),
     "generate": command(

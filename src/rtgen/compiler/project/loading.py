@@ -309,13 +309,14 @@ def with_arguments(
     add: bool = False,
     node_id: int | None = None,
     target: str | None = None,
+    judged: bool = False,
 ) -> Project:
     """Return the project as changed by the command line's arguments.
 
     `add`: the paths are added to the sources of rtgen.toml instead of replacing them; otherwise the
     project's adapters are dropped, since their types may be missing. Systems alone are read with
-    the definitions and adapters of rtgen.toml. Raises InputError for a path that is not a
-    definition file.
+    the definitions and adapters of rtgen.toml. `judged`: nothing is made of the paths, so a system
+    is one of them for every target. Raises InputError for a path that is not a definition file.
     """
     changes = project
     _require_possible([*paths, *include, output or ""])
@@ -327,8 +328,8 @@ def with_arguments(
         changes = replace(changes, base=base, output=base / OUTPUT, skeletons=skeletons)
     if paths:
         named = [Path(p) for p in paths]
-        target_of_it = target or project.target
-        findings = [f for p in named if (f := _check_kind(p, target_of_it)) is not None]
+        maker = SYSTEMS_TARGET if judged else target or project.target
+        findings = [f for p in named if (f := _check_kind(p, maker)) is not None]
         findings += _without_definitions(named, changes.output)
         if findings:
             raise InputError(findings)

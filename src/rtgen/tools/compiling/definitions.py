@@ -25,10 +25,12 @@ def project_of(
     add: bool = False,
     node_id: int | None = None,
     target: str | None = None,
+    judged: bool = False,
 ) -> Project:
     """Return the project of the working folder, with the settings of the command line.
 
-    `add`: the paths are added to the project's sources instead of replacing them.
+    `add`: the paths are added to the project's sources instead of replacing them. `judged`: systems
+    are among them, whatever the target makes.
     """
     with stages.stage("find definitions"):
         project = with_arguments(
@@ -43,6 +45,7 @@ def project_of(
             add=add,
             node_id=node_id,
             target=target,
+            judged=judged,
         )
         require_sources(project)
     return project

@@ -5,7 +5,7 @@ RTM-TECS, 5.1 and Table 1: a marshaller RTC and a client RTC for each signature 
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 
 from msgspec.structs import replace
 
@@ -18,8 +18,12 @@ from rtgen.compiler.lowering.tecs.communication import communication_model
 from rtgen.compiler.lowering.tecs.idl_model import IdlSide, idl_side
 from rtgen.compiler.lowering.tecs.plan import FOLDER, TecsPackage, packages
 from rtgen.compiler.lowering.tecs.rtc_components import CLIENT, MARSHALLER
-from rtgen.compiler.lowering.tecs.rules import NOT_TRANSFERRED, SIZE_TOO_EARLY
-from rtgen.compiler.model import Model, Package
+from rtgen.compiler.lowering.tecs.rules import (
+    NOT_TRANSFERRED,
+    SAME_COMPONENT,
+    SIZE_TOO_EARLY,
+)
+from rtgen.compiler.model import Component, Model, Package
 
 
 class BoardPackage(Package, frozen=True, kw_only=True):
@@ -54,6 +58,7 @@ def lower(model: Model, settings: Settings) -> Lowered:
                 layouts=tuple(layouts),
             )
         )
+    findings += _declared_elsewhere(model, result)
     return Lowered(replace(model, packages=tuple(result)), tuple(findings))
 
 
@@ -62,6 +67,22 @@ def boards(model: Model) -> Iterator[BoardPackage]:
     for package in model.packages:
         if isinstance(package, BoardPackage):
             yield package
+
+
+def _declared_elsewhere(
+    model: Model, packages: Iterable[Package]
+) -> Iterator[Diagnostic]:
+    """Report components of definitions with the name of one that is made for a board."""
+    others = {d.name: d for d in model.declarations if isinstance(d, Component)}
+    for package in packages:
+        for component in package.model.declarations:
+            other = others.get(component.name)
+            if other is not None and isinstance(component, Component):
+                yield SAME_COMPONENT.at(
+                    other.span,
+                    f"{other.scoped} is a component type of {package.sources[0].name}, too",
+                    hint="rename it, or name the one that is meant in [components] of rtgen.toml",
+                )
 
 
 def _profiles(plan: TecsPackage) -> dict[str, str]:
