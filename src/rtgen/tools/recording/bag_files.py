@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
 from functools import cached_property
 from pathlib import Path
@@ -20,6 +19,7 @@ from rtgen.facts.files import (
 )
 from rtgen.tools.recording.bag_metadata import METADATA_FILE, Folder, folder_of
 from rtgen.tools.recording.bag_writer import PROFILE
+from rtgen.tools.recording.copies import Copy
 from rtgen.tools.recording.errors import RecordingError, UnavailableError
 from rtgen.tools.recording.mcap_reader import MAGIC as MCAP
 from rtgen.tools.recording.mcap_reader import (
@@ -31,7 +31,7 @@ from rtgen.tools.recording.mcap_reader import (
 )
 from rtgen.tools.recording.mcap_writer import METADATA
 from rtgen.tools.recording.sqlite_reader import MAGIC as SQLITE
-from rtgen.tools.recording.sqlite_reader import SqliteFile, folder_with
+from rtgen.tools.recording.sqlite_reader import SqliteFile
 
 _ZSTD: Final = b"\x28\xb5\x2f\xfd"
 _FILE: Final = re.compile(r"(?!rtgen\.mcap).+?(\d*)\.(mcap|db3)(\.zstd)?", re.ASCII)
@@ -87,7 +87,7 @@ def open_recording(path: Path) -> Recording | None:
     except OSError as error:
         raise UnavailableError(f"cannot read {path}: {error.strerror}") from error
     if head.startswith(_ZSTD):
-        return _Unpacked(path)
+        return _unpacked(path)
     return _plain_file(path, head)
 
 
@@ -99,10 +99,13 @@ def start_of(recording: Recording) -> int:
     return (recording.profile == PROFILE and recording.earliest) or 0
 
 
-def _plain_file(path: Path, head: bytes) -> McapFile | SqliteFile | None:
+def _plain_file(
+    path: Path, head: bytes, copy: Copy | None = None
+) -> McapFile | SqliteFile | None:
+    """Return a file by its first octets, which are those of its `copy` if there is one."""
     if head.startswith(MCAP):
-        return McapFile(path)
-    return SqliteFile(path) if head == SQLITE else None
+        return McapFile(path, copy)
+    return SqliteFile(path, copy) if head == SQLITE else None
 
 
 class BagFolder:
@@ -217,74 +220,31 @@ def _number(name: str) -> tuple[int, str]:
     return int((match and match[1][-9:]) or 0), name
 
 
-@contextmanager
-def _named(inner: Path, path: Path) -> Iterator[None]:
-    """Name a file in errors instead of its decompressed content."""
+def _unpacked(path: Path) -> McapFile | SqliteFile:
+    """Open a file that is compressed as a whole (`ros2 bag record --compression-mode file`).
+
+    Raises RecordingError.
+    """
     try:
-        yield
-    except RecordingError as error:
-        text = str(error).replace(str(inner), str(path))
-        raise RecordingError(text, error.hint) from error
-
-
-class _Unpacked:
-    """A file that is compressed as a whole, by `ros2 bag record --compression-mode file`."""
-
-    def __init__(self, path: Path) -> None:
-        """Decompress a file. Raises RecordingError."""
-        try:
-            import zstandard
-        except ImportError as error:
-            raise UnavailableError(
-                f"{path} needs zstandard, which is not installed",
-                hint=installation("record"),
-            ) from error
-        self.path = path
-        inner = folder_with(self) / path.stem
-        work = Work(path, path.stat().st_size)
-        try:
-            with open_file(path) as packed, create_file(inner) as stream:
-                parts = zstandard.ZstdDecompressor().stream_reader(packed)
-                while part := parts.read(_PART):
-                    work.take_octets(len(part))
-                    stream.write(part)
-        except OSError as error:
-            raise UnavailableError(f"cannot read {path}: {error.strerror}") from error
-        except zstandard.ZstdError as error:
-            raise RecordingError(f"{path}: {error}") from error
-        with _named(inner, path):
-            opened = _plain_file(inner, read_start(inner, len(SQLITE)))
-        if opened is None:
-            raise RecordingError(f"{path}: its content is neither MCAP nor sqlite3")
-        self._inner = opened
-
-    @property
-    def damaged(self) -> int:
-        return self._inner.damaged
-
-    @property
-    def metadata(self) -> dict[str, dict[str, str]]:
-        return self._inner.metadata
-
-    @property
-    def profile(self) -> str:
-        return self._inner.profile
-
-    @property
-    def is_whole(self) -> bool:
-        return self._inner.is_whole
-
-    @property
-    def earliest(self) -> int | None:
-        return self._inner.earliest
-
-    @property
-    def form(self) -> str:
-        return self._inner.form
-
-    def messages(self) -> Iterator[Message]:
-        with _named(self._inner.path, self.path):
-            yield from self._inner.messages()
-
-    def losses(self) -> list[str]:
-        return self._inner.losses()
+        import zstandard
+    except ImportError as error:
+        raise UnavailableError(
+            f"{path} needs zstandard, which is not installed",
+            hint=installation("record"),
+        ) from error
+    copy = Copy(path.stem)
+    work = Work(path, path.stat().st_size)
+    try:
+        with open_file(path) as packed, create_file(copy.path) as stream:
+            parts = zstandard.ZstdDecompressor().stream_reader(packed)
+            while part := parts.read(_PART):
+                work.take_octets(len(part))
+                stream.write(part)
+    except OSError as error:
+        raise UnavailableError(f"cannot read {path}: {error.strerror}") from error
+    except zstandard.ZstdError as error:
+        raise RecordingError(f"{path}: {error}") from error
+    opened = _plain_file(path, read_start(copy.path, len(SQLITE)), copy)
+    if opened is None:
+        raise RecordingError(f"{path}: its content is neither MCAP nor sqlite3")
+    return opened

@@ -20,6 +20,7 @@ from typing import TYPE_CHECKING, Any, BinaryIO
 
 from rtgen.facts.extras import installation
 from rtgen.facts.files import open_file
+from rtgen.tools.recording.copies import Copy
 from rtgen.tools.recording.errors import RecordingError, UnavailableError
 from rtgen.tools.recording.mcap_writer import MAGIC as MAGIC
 from rtgen.tools.recording.schemas import Schema
@@ -75,14 +76,15 @@ class McapFile:
 
     form = "mcap"
 
-    def __init__(self, path: str | Path) -> None:
-        """Open a file. Raises RecordingError if it is missing or not an MCAP file."""
+    def __init__(self, path: str | Path, copy: Copy | None = None) -> None:
+        """Open a file, or its copy. Raises RecordingError if it is missing or not MCAP."""
         if find_spec("mcap") is None:
             raise UnavailableError(
                 "recordings need mcap, which is not installed",
                 hint=installation("record"),
             )
         self.path = Path(path)
+        self._copy = copy
         self.damaged = 0
         """Number of chunks skipped by the last call of `messages`."""
         with self._opened():
@@ -191,7 +193,7 @@ class McapFile:
 
     def _opened(self) -> BinaryIO:
         try:
-            stream = open_file(self.path)
+            stream = open_file(self._copy.path if self._copy else self.path)
         except OSError as error:
             raise UnavailableError(
                 f"cannot read {self.path}: {error.strerror}"

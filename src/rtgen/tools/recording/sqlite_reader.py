@@ -6,10 +6,7 @@ is limited by the size of the file, as that of compressed MCAP files is.
 
 from __future__ import annotations
 
-import shutil
 import struct
-import tempfile
-import weakref
 from collections.abc import Iterator
 from contextlib import closing, suppress
 from functools import cached_property
@@ -17,6 +14,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING, Any, Final, TypeGuard
 
 from rtgen.facts.files import create_file, open_file
+from rtgen.tools.recording.copies import Copy
 from rtgen.tools.recording.errors import RecordingError, UnavailableError
 from rtgen.tools.recording.mcap_reader import MAX_SIZE, Channel, Message, Work
 from rtgen.tools.recording.schemas import Schema
@@ -42,34 +40,38 @@ _METADATA: Final = {
 class SqliteFile:
     """A file that can be read several times from the start."""
 
-    def __init__(self, path: Path) -> None:
-        """Open a file. Raises RecordingError if it is missing or not of rosbag2."""
+    def __init__(self, path: Path, copy: Copy | None = None) -> None:
+        """Open a file, or its copy. Raises RecordingError if it is missing or not of rosbag2."""
         self.path = path
         self.damaged = 0
         """Number of rows skipped by the last call of `messages`."""
         self.metadata: dict[str, dict[str, str]] = {}
         self._damage = ""
-        self._read = path
-        """The file that sqlite3 reads: this one, or a copy of its whole pages."""
+        self._copy = copy
+        """The file that sqlite3 reads instead: another one's content, or its whole pages."""
         try:
-            with open_file(path) as stream:
+            with open_file(self._read) as stream:
                 self._size = stream.seek(0, 2)
                 stream.seek(0)
                 whole = _whole_pages(stream.read(_HEAD), self._size)
+                self._is_cut = whole is not None
                 if whole is not None:
                     self._damage = _CUT
-                    self._read = folder_with(self) / path.name
+                    self._copy = Copy(path.name)
                     stream.seek(0)
-                    with create_file(self._read) as copy:
+                    with create_file(self._copy.path) as pages:
                         while whole and (part := stream.read(min(whole, _PART))):
-                            whole -= copy.write(part)
+                            whole -= pages.write(part)
         except OSError as error:
             raise UnavailableError(f"cannot read {path}: {error.strerror}") from error
-        self._is_cut = self._read is not path
         with closing(self._opened()):
             pass
 
     form = "sqlite3"
+
+    @property
+    def _read(self) -> Path:
+        return self.path if self._copy is None else self._copy.path
 
     @property
     def profile(self) -> str:
@@ -214,13 +216,6 @@ class SqliteFile:
                     f"{self.path}: the table {table} has over {_MAX_TOPICS} rows"
                 )
             yield dict(zip(names, row, strict=True))
-
-
-def folder_with(owner: object) -> Path:
-    """Return a new temporary folder, which is removed with its owner."""
-    path = tempfile.mkdtemp(prefix="rtgen-bag-")
-    weakref.finalize(owner, shutil.rmtree, path, ignore_errors=True)
-    return Path(path)
 
 
 def _whole_pages(head: bytes, size: int) -> int | None:
