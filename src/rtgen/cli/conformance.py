@@ -11,7 +11,7 @@ from rtgen.cli.conformance_options import with_subject
 from rtgen.cli.help import command, grouped
 from rtgen.cli.options import with_console
 from rtgen.tools.can.access import BusAccess
-from rtgen.tools.conformance.testing import Subject
+from rtgen.tools.conformance.subject import Subject
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import NO, OK
 from rtgen.tools.kit.files import save

@@ -14,7 +14,7 @@ from rtgen.cli.parameter_types import FiniteRange, WholeRange
 from rtgen.cli.rpc.common import with_representation
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 from rtgen.tools.conformance.check import Permission
-from rtgen.tools.conformance.testing import Subject
+from rtgen.tools.conformance.subject import Subject
 
 
 def with_subject(command: Callable[..., int]) -> Callable[..., int]:

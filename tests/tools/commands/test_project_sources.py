@@ -221,8 +221,8 @@ def test_a_node_is_tested_by_its_description(
 ) -> None:
     seen: list[Any] = []
 
-    def tested(file: Path, node_id: int, access: Any, **_: Any) -> None:
-        seen.append((file.name, node_id, access.bitrate))
+    def tested(file: Path, subject: Any) -> None:
+        seen.append((file.name, subject.node_id, subject.access.bitrate))
         raise KeyboardInterrupt
 
     monkeypatch.setattr("rtgen.tools.conformance.canopen.testing.tested", tested)

@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
-from dataclasses import dataclass
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -11,40 +9,15 @@ from rtgen.compiler.diagnostics import ToolError
 from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.extras import installation
 from rtgen.facts.idl_files import IDL_SUFFIXES
-from rtgen.tools.can.access import BusAccess
-from rtgen.tools.conformance.check import Permission
+from rtgen.tools.conformance.subject import Subject
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
-from rtgen.tools.rpc.signatures import Peer, Wire
 
 if TYPE_CHECKING:
     from rtgen.tools.conformance.report import Report
 
 _BOARDS = (".cdl",)
 _COMPONENTS = (*IDL_SUFFIXES, ".xml", ".yaml", ".yml")
-
-
-@dataclass(frozen=True, slots=True, kw_only=True)
-class Subject:
-    """What is tested, where it is, and what a test may do; times in seconds.
-
-    `access` and `node_id` are of a node; `signature`, `functions`, `wire`, `baud` and `stall` of a
-    board; `component` and `include` of a component; `connect` is the address of the latter two.
-    """
-
-    connect: str = ""
-    access: BusAccess
-    node_id: int | None
-    signature: str | None
-    functions: Sequence[str]
-    wire: Wire
-    baud: int
-    stall: float | None
-    component: str | None
-    include: tuple[str, ...]
-    timeout: float
-    boot: float
-    permissions: Collection[Permission]
 
 
 def is_of_node(file: Path | None, connect: str) -> bool:
@@ -80,34 +53,16 @@ def tested(file: Path | None, subject: Subject, console: Console) -> Report:
 
     Without a file, the definition is one of the project's, according to the address.
     """
-    timeout, permissions = subject.timeout, subject.permissions
     if is_of_node(file, subject.connect):
         from rtgen.tools.conformance.canopen import testing as nodes
 
-        node_id, access = subject.node_id, subject.access
         if file is None:
-            node_id, file, access = nodes.of_project(node_id, access, console)
-        return nodes.tested(
-            file,
-            node_id,
-            access,
-            timeout=timeout,
-            boot=subject.boot,
-            permissions=permissions,
-        )
+            file, subject = nodes.of_project(subject, console)
+        return nodes.tested(file, subject)
     if _is_of_board(file, subject.connect):
         from rtgen.tools.conformance.board import testing as boards
 
-        return boards.tested(
-            file,
-            subject.connect,
-            subject.signature,
-            subject.functions,
-            Peer(subject.wire, timeout),
-            baud=subject.baud,
-            stall=subject.stall,
-            permissions=permissions,
-        )
+        return boards.tested(file, subject)
     try:
         from rtgen.tools.conformance.rtc import testing as components
     except ImportError as error:
@@ -115,11 +70,4 @@ def tested(file: Path | None, subject: Subject, console: Console) -> Report:
             "a test of a component needs omniORBpy, which is not installed",
             hint=installation("corba"),
         ) from error
-    return components.tested(
-        file,
-        subject.connect,
-        subject.component,
-        subject.include,
-        timeout=timeout,
-        permissions=permissions,
-    )
+    return components.tested(file, subject)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Sequence
+from collections.abc import Collection
 from pathlib import Path
 from typing import Final
 
@@ -11,29 +11,17 @@ from rtgen.tools.conformance.board.board import BoardUnderTest
 from rtgen.tools.conformance.board.checks import CHECKS
 from rtgen.tools.conformance.check import Permission
 from rtgen.tools.conformance.report import Outcome, Report, Verdict
+from rtgen.tools.conformance.subject import Subject
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.rpc.channels import host_and_port
-from rtgen.tools.rpc.signatures import CdlFiles, Peer
+from rtgen.tools.rpc.signatures import CdlFiles
 
 _GONE: Final = "the board accepts no connection any more"
 
 
-def tested(
-    file: Path | None,
-    connect: str,
-    signature: str | None,
-    functions: Sequence[str],
-    peer: Peer,
-    *,
-    baud: int,
-    stall: float | None,
-    permissions: Collection[Permission],
-) -> Report:
-    """Return the report of all checks. Raises InputError, Refusal and ToolError.
-
-    `functions` are those that may be called, all if there are none.
-    """
-    cdl = CdlFiles(file)
+def tested(file: Path | None, subject: Subject) -> Report:
+    """Return the report of all checks. Raises InputError, Refusal and ToolError."""
+    cdl, signature, functions = CdlFiles(file), subject.signature, subject.functions
     if signature is None:
         names = [str(each.scoped) for _, each in cdl.signatures()]
         if len(names) != 1:
@@ -42,25 +30,26 @@ def tested(
                 f"{place} has several signatures; --signature names one: {', '.join(names)}"
             )
         [signature] = names
-    service = cdl.service(signature, peer.wire)
+    service = cdl.service(signature, subject.wire)
     unknown = [name for name in functions if name not in service.functions]
     if unknown:
         choices = ", ".join(service.functions)
         raise Refusal(f"{signature} has no function {unknown[0]!r}; it has: {choices}")
-    kind, _, rest = connect.partition(":")
+    kind, _, rest = subject.connect.partition(":")
     if kind not in ("tcp", "serial") or not rest:
-        raise Refusal(f"{connect!r} is neither tcp:HOST:PORT nor serial:DEVICE")
+        raise Refusal(f"{subject.connect!r} is neither tcp:HOST:PORT nor serial:DEVICE")
     board = BoardUnderTest(
         service,
         {n: f for n, f in service.functions.items() if not functions or n in functions},
         host_and_port(rest) if kind == "tcp" else None,
         rest if kind == "serial" else None,
-        baud,
-        peer.timeout,
-        stall=stall,
+        subject.baud,
+        subject.timeout,
+        stall=subject.stall,
     )
     definition = service.signature.file if file is None else file.as_posix()
-    return checked(board, f"{signature} at {rest}", definition, permissions)
+    name = f"{signature} at {rest}"
+    return checked(board, name, definition, subject.permissions)
 
 
 def checked(

@@ -28,6 +28,7 @@ from rtgen.tools.conformance.canopen.pdo_checks import (
 from rtgen.tools.conformance.canopen.sdo_checks import (
     HEARTBEAT,
     NAME,
+    abort_code,
     block_download,
     block_repeats,
     block_sizes,
@@ -204,7 +205,7 @@ def commands(node: NodeUnderTest) -> Problems:
     """Check that unknown commands, and segments without a transfer, are rejected."""
     for first in (0xE0, 0x00, 0x60):
         answer = node.ask(bytes((first,)).ljust(8, b"\0"))
-        code = int.from_bytes(answer[4:8], "little") if answer[0] == sdo.ABORT else None
+        code = abort_code(answer)
         yield refusal(f"command {first:02X}h", code, sdo.COMMAND_UNKNOWN)
 
 
@@ -214,7 +215,7 @@ def toggling(node: NodeUnderTest) -> Problems:
     long_name(node)
     node.ask(Target(*NAME).message(sdo.UPLOAD))
     answer = node.ask(bytes((sdo.UPLOAD_SEGMENT | sdo.TOGGLE,)).ljust(8, b"\0"))
-    code = int.from_bytes(answer[4:8], "little") if answer[0] == sdo.ABORT else None
+    code = abort_code(answer)
     yield refusal("the first segment with toggle bit 1", code, sdo.TOGGLE_ERROR)
     if code is None:
         node.abandon(NAME)
@@ -227,7 +228,7 @@ def aborted(node: NodeUnderTest) -> Problems:
     node.ask(Target(*NAME).message(sdo.UPLOAD))
     node.abandon(NAME)
     answer = node.ask(bytes((sdo.UPLOAD_SEGMENT,)).ljust(8, b"\0"))
-    code = int.from_bytes(answer[4:8], "little") if answer[0] == sdo.ABORT else None
+    code = abort_code(answer)
     yield refusal("a segment after the abort", code, sdo.COMMAND_UNKNOWN)
     if code is None:
         node.abandon(NAME)

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterable
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
 from dataclasses import dataclass, field
 from typing import ClassVar, Protocol
 
@@ -202,6 +203,15 @@ class NodeUnderTest:
     def command(self, command: NmtCommand) -> None:
         """Send an NMT command."""
         self.line.send(command_frame(command, self.id))
+
+    @contextmanager
+    def operational(self) -> Iterator[None]:
+        """Context in which the node is OPERATIONAL; afterwards it is in PRE-OPERATIONAL."""
+        self.command(NmtCommand.START)
+        try:
+            yield
+        finally:
+            self.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
     def restart(
         self, command: NmtCommand = NmtCommand.RESET_COMMUNICATION

@@ -21,7 +21,6 @@ from rtgen.runtime.canopen.wire.frames import (
     CobId,
     Frame,
 )
-from rtgen.runtime.canopen.wire.nmt import NmtCommand
 from rtgen.runtime.canopen.wire.pdo_transmission import (
     EVENT_PROFILE,
     RTR,
@@ -137,15 +136,6 @@ def _changed(node: NodeUnderTest, *needed: int) -> Iterator[ChangedPdo]:
         node.restart()
 
 
-@contextmanager
-def _operational(node: NodeUnderTest) -> Iterator[None]:
-    node.command(NmtCommand.START)
-    try:
-        yield
-    finally:
-        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
-
-
 @check(
     "pdo.mapping",
     "mappings are set, and invalid ones are refused",
@@ -259,7 +249,7 @@ def _written(each: ChangedPdo) -> Problems:
 def _carried(each: ChangedPdo, mapped: list[DescribedObject]) -> str | None:
     """Return a problem unless a TPDO of type 1 has the values of these objects."""
     node = each.node
-    with _operational(node):
+    with node.operational():
         before = [node.upload(thing.number) for thing in mapped]
         node.synchronise()
         frame = node.await_frame(each.can_id, node.bounds.answer)
@@ -323,7 +313,7 @@ def transmission(node: NodeUnderTest) -> Problems:
 
 def _cyclic(each: ChangedPdo, kind: int) -> str | None:
     node = each.node
-    with _operational(node):
+    with node.operational():
         counted, cycles = 0, 2 if kind <= _SENT else 1
         for place in range(1, cycles * kind + 1):
             node.synchronise()
@@ -335,7 +325,7 @@ def _cyclic(each: ChangedPdo, kind: int) -> str | None:
 
 def _acyclic(each: ChangedPdo) -> str | None:
     node, sent = each.node, list[bytes]()
-    with _operational(node):
+    with node.operational():
         if node.await_frame(each.can_id, _QUIET) is not None:
             return f"{each.name}, type 0: sent without SYNC"
         for _ in range(_REPEATED):
@@ -350,7 +340,7 @@ def _acyclic(each: ChangedPdo) -> str | None:
 
 def _remote(each: ChangedPdo, kind: int) -> str | None:
     node = each.node
-    with _operational(node):
+    with node.operational():
         for _ in range(2):
             node.synchronise()
         if node.await_frame(each.can_id, _QUIET) is not None:
@@ -389,7 +379,7 @@ def times(node: NodeUnderTest) -> Problems:
 def _spaced(each: ChangedPdo, what: str, *, later: int = 0) -> str | None:
     """Return a problem unless PDOs are sent with the period, or up to `later` ms after it."""
     node, times = each.node, list[int]()
-    with _operational(node):
+    with node.operational():
         while len(times) <= _SENT:
             if node.await_frame(each.can_id, 10 * _PERIOD * MILLISECOND) is None:
                 return f"{each.name}: {len(times)} PDOs with an {what} of {_PERIOD} ms"
@@ -416,7 +406,7 @@ def synchronous_reception(node: NodeUnderTest) -> Problems:
             continue
         if not each.take_type(SYNC_ACYCLIC):
             continue
-        with _operational(node):
+        with node.operational():
             before = [node.upload(thing.number) for thing in mapped]
             other = [bytes((value[0] ^ 1,)) + value[1:] for value in before]
             held = before

@@ -8,7 +8,6 @@ from typing import Final
 from rtgen.compiler.model.canopen import Pdo, PdoDirection
 from rtgen.runtime.canopen.wire.emergency import PDO_TOO_SHORT
 from rtgen.runtime.canopen.wire.frames import MAX_DATA, MILLISECOND, CobId, Frame
-from rtgen.runtime.canopen.wire.nmt import NmtCommand
 from rtgen.tools.can.decoding.node_index import DescribedObject
 from rtgen.tools.conformance.canopen.node import NodeUnderTest
 from rtgen.tools.conformance.canopen.pdo_changes import present_entries, whole_objects
@@ -41,15 +40,19 @@ def parameters(node: NodeUnderTest) -> Problems:
                     )
 
 
+def _communication(node: NodeUnderTest, pdo: Pdo) -> tuple[int, CobId]:
+    """Return the transmission type and the COB-ID that the node has for a PDO."""
+    words = (node.values.get((pdo.communication, sub), b"") for sub in (2, 1))
+    kind, cob_id = (int.from_bytes(word, "little") for word in words)
+    return kind, CobId(cob_id)
+
+
 @check("pdo.synchronous", "synchronous TPDOs follow SYNC", "CiA 301, 7.5.2.37", ACTUATE)
 def synchronous(node: NodeUnderTest) -> Problems:
     """Check that a TPDO of transmission type n is sent every n-th SYNC, with its length."""
     problems = []
     for pdo in node.described.device.pdos:
-        kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
-        cob_id = CobId(
-            int.from_bytes(node.values.get((pdo.communication, 1), b""), "little")
-        )
+        kind, cob_id = _communication(node, pdo)
         if (
             pdo.direction == "tpdo"
             and 1 <= kind <= _MAX_SYNCHRONOUS
@@ -57,8 +60,7 @@ def synchronous(node: NodeUnderTest) -> Problems:
             and cob_id.valid
         ):
             problems.append((pdo, kind, cob_id.can_id))
-    node.command(NmtCommand.START)
-    try:
+    with node.operational():
         for pdo, kind, can_id in problems:
             counted = 0
             bits = sum(entry.bits for entry in present_entries(node, pdo))
@@ -73,8 +75,6 @@ def synchronous(node: NodeUnderTest) -> Problems:
                 if counted == 2
                 else f"tpdo{pdo.number}: {counted} after {2 * kind} SYNCs"
             )
-    finally:
-        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
 
 def receptions(
@@ -82,10 +82,7 @@ def receptions(
 ) -> Iterator[tuple[Pdo, int, list[DescribedObject]]]:
     """Yield the asynchronous RPDOs of whole octets, with identifiers and mapped objects."""
     for pdo in node.described.device.pdos:
-        kind = int.from_bytes(node.values.get((pdo.communication, 2), b"\0"), "little")
-        cob_id = CobId(
-            int.from_bytes(node.values.get((pdo.communication, 1), b""), "little")
-        )
+        kind, cob_id = _communication(node, pdo)
         mapped = whole_objects(node, pdo)
         is_reception = pdo.direction is PdoDirection.RPDO and kind >= _EVENT_DRIVEN
         if is_reception and cob_id.valid and mapped:
@@ -98,8 +95,7 @@ def receptions(
 def reception(node: NodeUnderTest) -> Problems:
     """Check that the data of an RPDO are in its objects afterwards."""
     acting = list(receptions(node))
-    node.command(NmtCommand.START)
-    try:
+    with node.operational():
         for pdo, can_id, mapped in acting:
             before = [node.upload(thing.number) for thing in mapped]
             # The lowest bit of each value is inverted, and restored.
@@ -110,8 +106,6 @@ def reception(node: NodeUnderTest) -> Problems:
                 for thing, actual, sent in zip(mapped, now, values, strict=True):
                     problem = f"rpdo{pdo.number}: {thing} is {actual.hex()}, sent was {sent.hex()}"
                     yield None if actual == sent else problem
-    finally:
-        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
 
 @check(
@@ -123,8 +117,7 @@ def reception(node: NodeUnderTest) -> Problems:
 def wrong_lengths(node: NodeUnderTest) -> Problems:
     """Check that a short RPDO changes nothing, with an emergency, and a long one is truncated."""
     acting = list(receptions(node))
-    node.command(NmtCommand.START)
-    try:
+    with node.operational():
         for pdo, can_id, mapped in acting:
             before = [node.upload(thing.number) for thing in mapped]
             sent = b"".join(before)[:-1]
@@ -152,8 +145,6 @@ def wrong_lengths(node: NodeUnderTest) -> Problems:
             problem = f"rpdo{pdo.number}: one that is too long is ignored"
             yield None if node.values_soon(mapped, values) == values else problem
             node.line.send(Frame(can_id, whole))
-    finally:
-        node.command(NmtCommand.ENTER_PRE_OPERATIONAL)
 
 
 @check("pdo.states", "no PDOs in PRE-OPERATIONAL", "CiA 301, 7.3.2.2.5", ACTUATE)

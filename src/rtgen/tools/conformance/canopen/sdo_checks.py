@@ -34,7 +34,7 @@ def long_name(node: NodeUnderTest, least: int = sdo.EXPEDITED + 1) -> ObjectNumb
     return NAME
 
 
-def _abort(answer: bytes) -> int | None:
+def abort_code(answer: bytes) -> int | None:
     """Return the abort code of a response, None for another response."""
     return sdo.announced_size(answer) if answer[0] == sdo.ABORT else None
 
@@ -42,7 +42,7 @@ def _abort(answer: bytes) -> int | None:
 def _begin(node: NodeUnderTest, command: int, data: bytes = b"") -> bytes:
     """Return the response to the first message of a transfer of 1017h. Raises SdoAbort."""
     answer = node.ask(Target(*HEARTBEAT).message(command, data))
-    code = _abort(answer)
+    code = abort_code(answer)
     if code is not None:
         raise SdoAbort(code)
     return answer
@@ -73,7 +73,7 @@ def segments(node: NodeUnderTest) -> Problems:
     _begin(node, command, announced)
     wrong = Segments(before)
     wrong.toggle = sdo.TOGGLE
-    code = _abort(node.ask(wrong.next(sdo.DOWNLOAD_SEGMENT)))
+    code = abort_code(node.ask(wrong.next(sdo.DOWNLOAD_SEGMENT)))
     yield refusal("the first segment with toggle bit 1", code, sdo.TOGGLE_ERROR)
     if code is None:
         node.abandon(HEARTBEAT)
@@ -82,7 +82,9 @@ def segments(node: NodeUnderTest) -> Problems:
         what = f"{size} octets in a segment"
         try:
             _begin(node, command, sdo.size_octets(size))
-            code = _abort(node.ask(Segments(bytes(size)).next(sdo.DOWNLOAD_SEGMENT)))
+            code = abort_code(
+                node.ask(Segments(bytes(size)).next(sdo.DOWNLOAD_SEGMENT))
+            )
         except SdoAbort as abort:
             code = abort.code
         yield refusal(what, code, *_LENGTH)
@@ -130,7 +132,7 @@ def block_download(node: NodeUnderTest) -> Problems:
         check = sdo.crc(before) ^ flipped if with_crc else 0
         answer = node.ask(_end(check, len(before)))
         if flipped:
-            yield refusal("a wrong check sum", _abort(answer), sdo.CRC_ERROR)
+            yield refusal("a wrong check sum", abort_code(answer), sdo.CRC_ERROR)
         else:
             ended = answer[0] == sdo.BLOCK_ENDED
             yield None if ended else f"the answer to the end is {answer.hex(' ')}"
@@ -148,7 +150,7 @@ def block_sizes(node: NodeUnderTest) -> Problems:
     command = sdo.BLOCK_UPLOAD | sdo.WITH_CRC
     for size in (0, sdo.MAX_BLOCK + 1):
         answer = node.ask(target.message(command, bytes((size,))))
-        code = _abort(answer)
+        code = abort_code(answer)
         if code in _NO_TRANSFER:
             raise SkipError("the node has no block transfer")
         yield refusal(f"blocks of {size} segments", code, sdo.BLOCK_SIZE_INVALID)
@@ -159,7 +161,7 @@ def block_sizes(node: NodeUnderTest) -> Problems:
         raise SkipError("the node answers a block upload of 1008h by segments")
     node.ask(bytes((sdo.BLOCK_START,)).ljust(sdo.FRAME, b"\0"))
     false = bytes((sdo.BLOCK_ACKNOWLEDGED, 2, 1)).ljust(sdo.FRAME, b"\0")
-    code = _abort(node.ask(false))
+    code = abort_code(node.ask(false))
     yield refusal("two segments of one acknowledged", code, sdo.SEQUENCE_INVALID)
     if code is None:
         node.abandon(NAME)
@@ -194,7 +196,7 @@ def _upload_repeats(node: NodeUnderTest) -> str | None:
     target = Target(*long_name(node, sdo.SEGMENT + 1))
     command = sdo.BLOCK_UPLOAD | sdo.WITH_CRC
     answer = node.ask(target.message(command, bytes((sdo.MAX_BLOCK,))))
-    if _abort(answer) in _NO_TRANSFER:
+    if abort_code(answer) in _NO_TRANSFER:
         raise SkipError("the node has no block transfer")
     if answer[0] & sdo.CODE != sdo.BLOCK_UPLOAD_ANSWER:
         raise SkipError("the node answers a block upload of 1008h by segments")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import time
 from collections.abc import Collection
+from dataclasses import replace
 from pathlib import Path
 
 from rtgen.compiler.diagnostics import ToolError
@@ -11,7 +12,6 @@ from rtgen.runtime.canopen.bus.messages import frame_of
 from rtgen.runtime.canopen.bus.python_can import OpenBus
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.wire.frames import SECOND, Frame
-from rtgen.tools.can.access import BusAccess
 from rtgen.tools.can.decoding.node_index import NoNodeIdError, read_node_index
 from rtgen.tools.can.live.live_bus import opened, send
 from rtgen.tools.can.project_bus import project_buses
@@ -19,6 +19,7 @@ from rtgen.tools.conformance.canopen.checks import CHECKS
 from rtgen.tools.conformance.canopen.node import Bounds, NodeUnderTest, SilenceError
 from rtgen.tools.conformance.check import Permission
 from rtgen.tools.conformance.report import Report
+from rtgen.tools.conformance.subject import Subject
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.kit.signals import terminable
@@ -57,12 +58,11 @@ class BusLine:
                 return frame
 
 
-def of_project(
-    node_id: int | None, access: BusAccess, console: Console
-) -> tuple[int, Path, BusAccess]:
-    """Return a node of the project's bus, the only one without a node-id, and its description.
+def of_project(subject: Subject, console: Console) -> tuple[Path, Subject]:
+    """Return the description of a node of the project's bus, the only one without a node-id.
 
-    The bus has the bit rate of its file. Raises InputError, Refusal, ReportedError.
+    The subject is that node, on the bus with the bit rate of its file. Raises InputError, Refusal,
+    ReportedError.
     """
     indices = [read_node_index(file, ()) for file in project_buses(console)]
     nodes = [
@@ -70,7 +70,7 @@ def of_project(
         for index in indices
         if index.bus is not None
         for node in index.bus.nodes
-        if node_id in (None, node.id)
+        if subject.node_id in (None, node.id)
     ]
     if len(nodes) != 1:
         names = ", ".join(f"{node.id} ({node.name})" for _, node in nodes)
@@ -81,29 +81,22 @@ def of_project(
         )
         raise Refusal(f"which node? Give FILE, or --node N: {of}")
     [(index, node)] = nodes
-    return node.id, Path(node.kind.device.file), access.on(index)
+    access = subject.access.on(index)
+    file = Path(node.kind.device.file)
+    return file, replace(subject, node_id=node.id, access=access)
 
 
-def tested(
-    file: Path,
-    node_id: int | None,
-    access: BusAccess,
-    *,
-    timeout: float,
-    boot: float,
-    permissions: Collection[Permission],
-) -> Report:
+def tested(file: Path, subject: Subject) -> Report:
     """Return the report of all checks. Raises InputError, Refusal and ToolError."""
     try:
-        node_index = read_node_index(None, [(node_id, file)])
+        node_index = read_node_index(None, [(subject.node_id, file)])
     except NoNodeIdError:
         raise Refusal(f"{file} has no node-id; --node N names it") from None
     (described,) = node_index.nodes.values()
-    bounds = Bounds(round(timeout * SECOND), round(boot * SECOND))
-    with opened(access) as bus:
-        return checked(
-            NodeUnderTest(described, BusLine(bus), bounds), file.as_posix(), permissions
-        )
+    bounds = Bounds(round(subject.timeout * SECOND), round(subject.boot * SECOND))
+    with opened(subject.access) as bus:
+        node = NodeUnderTest(described, BusLine(bus), bounds)
+        return checked(node, file.as_posix(), subject.permissions)
 
 
 def checked(

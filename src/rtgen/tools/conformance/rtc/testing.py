@@ -30,35 +30,29 @@ from rtgen.tools.conformance.report import Report
 from rtgen.tools.conformance.rtc.checks import CHECKS
 from rtgen.tools.conformance.rtc.component import RtcUnderTest
 from rtgen.tools.conformance.rtc.expected import Expected
+from rtgen.tools.conformance.subject import Subject
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.kit.signals import terminable
 
 _PROFILES = (".xml", *YAML_SUFFIXES)
 
 
-def tested(
-    file: Path | None,
-    connect: str,
-    name: str | None,
-    include: tuple[str, ...],
-    *,
-    timeout: float,
-    permissions: Collection[Permission],
-) -> Report:
+def tested(file: Path | None, subject: Subject) -> Report:
     """Return the report of all checks. Raises InputError, Refusal and ToolError."""
+    connect, timeout = subject.connect, subject.timeout
     if not is_place(connect):
         raise Refusal(
             f"{connect!r} is not a place of a component: HOST[:PORT]/NAME.rtc, corbaname:, "
             "corbaloc: or IOR:"
         )
-    expected, definition = _expected(file, name, include)
+    expected, definition = _expected(file, subject.component, subject.include)
     try:
         with closing(Orb(timeout=timeout)) as orb:
             exported = Exported(orb, gives_up=False)
             reference = located(connect, exported, partial(Naming, orb.orb))
             rtc = _answering(connect, expected, reference, exported, timeout)
-            subject = f"{expected.type_name} {rtc.profile.instance_name}"
-            return checked(rtc, subject, definition, permissions)
+            name = f"{expected.type_name} {rtc.profile.instance_name}"
+            return checked(rtc, name, definition, subject.permissions)
     except NoNamingServiceError as error:
         hint = "rtgen run and OpenRTM's rtc.conf name the naming service of a component"
         raise ToolError(str(error), hint=hint) from error
