@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Collection, Iterable, Sequence
 from typing import Any, Final
 
 import msgspec
@@ -21,6 +21,33 @@ _RETURN: Final = "return"
 _MAX_ITEMS: Final = 16
 _MAX_TEXT_LENGTH: Final = 200
 """Maximum length of a value's text."""
+
+
+class Codecs:
+    """The codecs of the marshallers that are connected to communication RTCs, by those."""
+
+    def __init__(self, codec_of: Callable[[str], Codec | None]) -> None:
+        """`codec_of` returns the codec of an instance; None if it is not a marshaller."""
+        self._codec_of = codec_of
+        self._codecs: dict[str, Codec | None] = {}
+
+    def of(self, communication: str, joined: Iterable[Collection[str]]) -> Codec | None:
+        """Return the codec; `joined` are the instances of connections, as long as it is unknown."""
+        if communication not in self._codecs:
+            others = (
+                each
+                for pair in joined
+                if communication in pair
+                for each in pair
+                if each != communication
+            )
+            codec = next(filter(None, map(self._codec_of, others)), None)
+            self._codecs[communication] = codec
+        return self._codecs[communication]
+
+    def forget(self) -> None:
+        """Look for all of them again: connections have changed."""
+        self._codecs.clear()
 
 
 def codec_of(component: Component) -> Codec | None:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator, Mapping
 from inspect import getdoc
 from typing import Any, Final
 
@@ -105,21 +105,15 @@ class Description:
             )
             for name, port in ports.items()
         ]
-        services: dict[str, list[ui.ServiceInterface]] = {}
-        for provided, interfaces in (
-            (True, component.providers),
-            (False, component.consumers),
-        ):
-            for (port, name), each in interfaces.items():
-                services.setdefault(port, []).append(
-                    self._interface(name, each.interface, provided=provided)
-                )
-        for name, entries in services.items():
-            kind = ui.PortKind.PORT_SERVICE
-            data_ports.append(
-                ui.Port(name=name, kind=kind, type_number=NO_TYPE, interfaces=entries)
+        interfaces = (
+            (port, self._interface(name, each.interface, provided=provided))
+            for provided, those in (
+                (True, component.providers),
+                (False, component.consumers),
             )
-        return data_ports
+            for (port, name), each in those.items()
+        )
+        return [*data_ports, *service_ports(interfaces)]
 
     def _data_port(
         self,
@@ -176,6 +170,17 @@ class Description:
                 )
             )
         return operations
+
+
+def service_ports(
+    interfaces: Iterable[tuple[str, ui.ServiceInterface]],
+) -> Iterator[ui.Port]:
+    """Yield the service ports of interfaces, each with the name of its port."""
+    kind, by_port = ui.PortKind.PORT_SERVICE, dict[str, list[ui.ServiceInterface]]()
+    for port, interface in interfaces:
+        by_port.setdefault(port, []).append(interface)
+    for name, own in by_port.items():
+        yield ui.Port(name=name, kind=kind, type_number=NO_TYPE, interfaces=own)
 
 
 def _doc(interface: Any, operation: str) -> str:

@@ -44,7 +44,7 @@ class OtherProcesses:
         self._session = session
         self.state = RemoteState()
         self.watcher: Watcher | None = None
-        self._codecs: dict[str, Codec | None] = {}
+        self._codecs = boards.Codecs(self._codec_of)
         self._events: deque[Event] = deque()
         """Those that wait for the session's thread."""
         self._lock = threading.Lock()
@@ -97,23 +97,11 @@ class OtherProcesses:
                 if each.name == component.active_set:
                     yield {value.name: value.text for value in each.values}
 
-    def codec(self, communication: str) -> Codec | None:
-        """Return the codec of the marshaller that is connected to a communication RTC."""
-        if communication not in self._codecs:
-            codec_of = self._session.project.codec
-            ends = (
-                {each.source.instance, each.target.instance}
-                for each in self.state.connections.values()
-            )
-            types = (
-                self.state.components[other].type
-                for pair in ends
-                if communication in pair
-                for other in pair - {communication}
-                if other in self.state.components
-            )
-            self._codecs[communication] = next(filter(None, map(codec_of, types)), None)
-        return self._codecs[communication]
+    def _codec_of(self, instance: str) -> Codec | None:
+        component = self.state.components.get(instance)
+        return (
+            None if component is None else self._session.project.codec(component.type)
+        )
 
     def _take_event(self, event: Event) -> None:
         """Process an event soon; of those that come too fast, changes of state alone."""
@@ -154,11 +142,13 @@ class OtherProcesses:
             case OnBus(frame=frame):
                 session.buses.on_frame(frame, time)
             case OnBoard(call=called):
-                session.publish(
-                    ui.Event.of_call(
-                        boards.described_call(called, time, self.codec(called.instance))
-                    )
+                joined = (
+                    (each.source.instance, each.target.instance)
+                    for each in self.state.connections.values()
                 )
+                codec = self._codecs.of(called.instance, joined)
+                shown = boards.described_call(called, time, codec)
+                session.publish(ui.Event.of_call(shown))
             case Noted(kind=kind, instance=instance, text=text):
                 session.notice(kind, instance, text)
             case Changed(instance=instance, reason=reason):
@@ -183,7 +173,7 @@ class OtherProcesses:
         session.flows.others = self.state.flows
         session.chains.others = self.state.chains
         if self.state.connections.keys() != before.connections.keys():
-            self._codecs.clear()
+            self._codecs.forget()
         session.buses.open()
         if self.state.run.number != before.run.number:
             session.run_again()

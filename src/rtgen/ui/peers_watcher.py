@@ -11,7 +11,7 @@ from msgspec.structs import replace
 
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.distribution.control import Asker, ControlError
-from rtgen.runtime.distribution.descriptions import Description, Interface
+from rtgen.runtime.distribution.descriptions import Description
 from rtgen.runtime.distribution.medium import MediumError, Subscription
 from rtgen.runtime.marshalling.comparison import definition, text_difference
 from rtgen.runtime.services.calls import calls_of
@@ -27,7 +27,7 @@ from rtgen.runtime.system.json_calls import (
 from rtgen.runtime.system.json_printers import plain
 from rtgen.tools.recording.channels import cdr_encoder
 from rtgen.ui.calls import carried_out
-from rtgen.ui.description import STATES_BY_NAME, parameter
+from rtgen.ui.description import STATES_BY_NAME, parameter, service_ports
 from rtgen.ui.edits import Edit
 from rtgen.ui.errors import CALL_FAILED, IMPOSSIBLE, UNKNOWN, CommandError
 from rtgen.ui.protocol import ui
@@ -428,21 +428,11 @@ def _ports(described: Description) -> Iterable[ui.Port]:
                 unit=port.unit,
                 doc=port.doc,
             )
-    interfaces: dict[str, list[ui.ServiceInterface]] = {}
-    for provided, found in (
-        (True, described.providers),
-        (False, described.consumers),
-    ):
-        for each in found:
-            own = interfaces.setdefault(each.port, [])
-            own.append(_interface(each, provided=provided))
-    for name, own in interfaces.items():
-        yield ui.Port(
-            name=name, kind=PortKind.PORT_SERVICE, type_number=-1, interfaces=own
+    yield from service_ports(
+        (each.port, ui.ServiceInterface(each.instance, each.name, provided))
+        for provided, interfaces in (
+            (True, described.providers),
+            (False, described.consumers),
         )
-
-
-def _interface(interface: Interface, *, provided: bool) -> ui.ServiceInterface:
-    return ui.ServiceInterface(
-        name=interface.instance, type=interface.name, provided=provided
+        for each in interfaces
     )

@@ -71,7 +71,7 @@ class Reading:
         self._settings: dict[str, dict[str, str]] = {}
         self._buses = SeenBuses(describer, self._settings.values, self._add)
         self._codec_of = codec
-        self._codecs: dict[str, Codec | None] = {}
+        self._codecs = boards.Codecs(self._codec)
         self._changed: set[str] = set()
         self._of_messages: dict[Channel, ui.Channel] = {}
         self._joined: list[messages.Connection] = []
@@ -198,27 +198,17 @@ class Reading:
             case messages.BoardCall(request=request, reply=reply, error=error):
                 instance = message.channel.get("instance")
                 made = BoardCall(instance, request, reply, error)
-                codec = self._codec(instance)
+                joined = (
+                    (_address(each.source).instance, _address(each.target).instance)
+                    for each in self._joined
+                )
+                codec = self._codecs.of(instance, joined)
                 call = boards.described_call(made, self._now, codec, -1.0)
                 self._add(ui.Event.of_call(call))
 
-    def _codec(self, communication: str) -> Codec | None:
-        """Return the codec of the marshaller that was connected to a communication RTC."""
-        if communication not in self._codecs:
-            ends = (
-                {_address(each.source).instance, _address(each.target).instance}
-                for each in self._joined
-            )
-            types = [
-                self.components[other].type
-                for pair in ends
-                if communication in pair
-                for other in pair - {communication}
-                if other in self.components
-            ]
-            codec = next(filter(None, map(self._codec_of, types)), None)
-            self._codecs[communication] = codec
-        return self._codecs[communication]
+    def _codec(self, instance: str) -> Codec | None:
+        component = self.components.get(instance)
+        return None if component is None else self._codec_of(component.type)
 
     def _state(self, content: messages.State, *, beside: bool) -> None:
         before, after = (_state_of(name) for name in (content.before, content.after))

@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 from rtgen import runtime
 from rtgen.runtime.cdr import CdrError
-from rtgen.runtime.opaque_rpc.codecs import Codec
 from rtgen.runtime.ports.data_ports import OutPort
 from rtgen.runtime.system.joining import instances_of
 from rtgen.runtime.system.json_printers import json_printer
@@ -35,7 +34,9 @@ class SystemEvents(Viewer):
     def __init__(self, session: SessionView, system: runtime.System) -> None:
         self._session = session
         self._system = system
-        self._codecs: dict[str, Codec | None] = {}
+        self._codecs = boards.Codecs(
+            lambda instance: boards.codec_of(system.component(instance))
+        )
         self._across: set[str] = set()
         """Names of the connections to other processes, which those show."""
         system.clock.traffic.watch(self._on_traffic)
@@ -103,7 +104,7 @@ class SystemEvents(Viewer):
                 )
                 self._session.publish(ui.Event.of_setting(change))
             case ConnectionChange(name, connected=True):
-                self._codecs.clear()
+                self._codecs.forget()
                 connector = self._system.connector(name)
                 if not self._session.is_within(connector):
                     self._across.add(name)
@@ -118,19 +119,7 @@ class SystemEvents(Viewer):
             case BusFrame():
                 self._session.buses.on_frame(happening, self._session.now)
             case BoardCall(instance):
-                codec = self._codec(instance)
+                joined = map(instances_of, self._session.connectors)
+                codec = self._codecs.of(instance, joined)
                 call = boards.described_call(happening, self._session.now, codec)
                 self._session.publish(ui.Event.of_call(call))
-
-    def _codec(self, communication: str) -> Codec | None:
-        """Return the codec of the marshaller that is connected to a communication RTC."""
-        if communication not in self._codecs:
-            ends = (
-                self._system.component(each)
-                for connector in self._session.connectors
-                if communication in (pair := instances_of(connector))
-                for each in pair
-            )
-            codec = next(filter(None, map(boards.codec_of, ends)), None)
-            self._codecs[communication] = codec
-        return self._codecs[communication]
