@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from typing import Any
 
 import click
 
@@ -15,7 +16,6 @@ from rtgen.cli.definition_options import (
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.stages import with_stages
-from rtgen.tools.compiling.definitions import Definitions
 from rtgen.tools.compiling.generation import Request, generate_once
 from rtgen.tools.kit.console import Console
 
@@ -62,15 +62,10 @@ def _renames(
 @with_stages
 def generate(
     console: Console,
-    definitions: Definitions,
-    output: str | None,
+    /,
     no_cache: bool,
-    node_id: int | None,
-    target: str | None,
-    representation: str | None,
-    renames: tuple[tuple[str, str], ...],
-    only_diff: bool,
     watching: bool,
+    **others: Any,
 ) -> int:
     """Generate files from definitions.
 
@@ -84,18 +79,9 @@ def generate(
     in the definitions, unless that is done already, and in what follows: profiles, systems,
     timelines, settings and behaviours, whose modules are moved. All files are changed, or none.
     """
-    if renames and (watching or only_diff):
+    request = Request(cached=not no_cache, **others)
+    if request.renames and (watching or request.only_diff):
         raise click.UsageError("--rename goes with neither --watch nor --diff")
-    request = Request(
-        definitions=definitions,
-        output=output,
-        node_id=node_id,
-        target=target,
-        representation=representation,
-        cached=not no_cache,
-        only_diff=only_diff,
-        renames=renames,
-    )
     if watching:
         from rtgen.tools.compiling.watch import watch
 

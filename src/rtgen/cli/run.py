@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import click
 
 from rtgen.cli.help import command, grouped
@@ -18,15 +20,10 @@ from rtgen.cli.running_options import (
 )
 from rtgen.cli.supervision_options import check_options, handed_on
 from rtgen.cli.transport_options import PROCESSES, with_transport
-from rtgen.compiler.diagnostics import Span
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.execution import executed
-from rtgen.tools.running.failures import FailureOptions
-from rtgen.tools.running.live_options import LiveOptions
 from rtgen.tools.running.plan import BOARDS, Plan, RunOptions, planned
-from rtgen.tools.running.recording_options import RecordingOptions
-from rtgen.tools.running.transports import TransportOptions
 
 
 @command()
@@ -127,25 +124,11 @@ def run(
     console: Console,
     system: str | None,
     clock: str,
-    until: str | None,
-    until_at: Span | None,
-    settings: tuple[str, ...],
-    timeline_file: str | None,
-    table: tuple[str, ...],
-    picture: tuple[str, ...],
-    log: str | None,
-    as_json: bool,
-    checkpoints: str | None,
-    inactive: bool,
     supervise: str | None,
     groups: tuple[str, ...],
     restarts: int,
-    check_values: str,
-    recording: RecordingOptions,
     ros2: str | None,
-    live: LiveOptions,
-    carrying: TransportOptions,
-    shown_failures: FailureOptions,
+    **others: Any,
 ) -> int:
     """Run a system on the embedded runtime.
 
@@ -158,22 +141,8 @@ def run(
         system=(system or BOARDS) if ros2 is not None else required(system),
         simulated=clock != "real",
         follows_ros=clock == "ros",
-        until=until,
-        until_at=until_at,
-        settings=settings,
-        timeline_file=timeline_file,
-        table=table,
-        picture=picture,
-        log=log,
-        as_json=as_json,
-        checkpoints=checkpoints,
-        inactive=inactive,
-        check_values=check_values,
-        recording=recording,
         ros2=ros2,
-        live=live,
-        carrying=carrying,
-        shown_failures=shown_failures,
+        **others,
     )
     plan = planned(options, console)
     if supervise is not None:

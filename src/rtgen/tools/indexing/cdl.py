@@ -94,16 +94,16 @@ class _Walk:
                     span = self._unit.span(node.start, node.end)
                     self._collector.refer(f"file {path}", span)
             case tree.Typedef() as node:
-                self._type(node.type, scope)
+                self._type(node.type.type, scope)
                 for declarator in node.declarators:
                     self._declared(declarator.name, item, scope, container)
             case tree.Declaration() as node:
-                self._type(node.type, scope)
+                self._type(node.type.type, scope)
                 for each in node.declarators:
                     self._declared(each.declarator.name, item, scope, container)
                     self._value(each.value, scope)
             case tree.TypeStatement() as node:
-                self._specifier(node.type, scope)
+                self._type(node.type, scope)
             case statements.Signature() as node:
                 self._signature(node, item, scope, container)
             case statements.Celltype() as node:
@@ -134,6 +134,9 @@ class _Walk:
             detail=detail,
         )
 
+    def _use(self, key: str, name: tree.Name) -> None:
+        self._collector.refer(key, self._span(name))
+
     def _declared(
         self,
         name: tree.Name | None,
@@ -160,27 +163,24 @@ class _Walk:
                 part_of = part_of.scopes.get(part.text)
             if part_of is None:
                 break
-            self._collector.refer(self._scope_key(part_of), self._span(part))
+            self._use(self._scope_key(part_of), part)
         if isinstance(entity, Entity):
-            self._collector.refer(key_of(entity), self._span(name.parts[-1]))
+            self._use(key_of(entity), name.parts[-1])
             return entity
         return None
 
-    def _type(self, node: tree.QualifiedType, scope: Scope) -> None:
-        self._specifier(node.type, scope)
-
-    def _specifier(self, node: tree.TypeSpecifier, scope: Scope) -> None:
+    def _type(self, node: tree.TypeSpecifier, scope: Scope) -> None:
         match node:
             case tree.TypedefName(name=name):
                 for place in scope.outwards():
                     entity = place.entities.get(name.text)
                     if entity is not None:
-                        self._collector.refer(key_of(entity), self._span(name))
+                        self._use(key_of(entity), name)
                         return
             case tree.StructSpecifier(tag=tag, members=members) if tag is not None:
                 self._tag(tag, node, scope)
                 for member in members or ():
-                    self._type(member.type, scope)
+                    self._type(member.type.type, scope)
                     for declarator in member.declarators:
                         self._inner(tag, declarator.name, member, scope)
             case tree.EnumSpecifier(tag=tag) if tag is not None:
@@ -233,7 +233,7 @@ class _Walk:
             if not isinstance(function, statements.Function):
                 continue
             name = function.declarator.name
-            self._type(function.type, scope)
+            self._type(function.type.type, scope)
             if name is None:
                 continue
             own = f"{key}::{name.text}"
@@ -259,7 +259,7 @@ class _Walk:
         names: set[str],
         scope: Scope,
     ) -> None:
-        self._type(parameter.type, scope)
+        self._type(parameter.type.type, scope)
         name = parameter.declarator.name if parameter.declarator else None
         if name is not None:
             key = f"{function}::{name.text}"
@@ -272,7 +272,7 @@ class _Walk:
                     elif str(argument) in names:
                         part = argument.parts[0]
                         own = f"{function}::{part.text}"
-                        self._collector.refer(own, self._span(part))
+                        self._use(own, part)
                     else:
                         self._refer(argument, scope)
 
@@ -308,18 +308,16 @@ class _Walk:
                 case statements.EntryExport() as export:
                     facts = entity.component
                     own = f"{key}::{export.name.text}"
-                    self._collector.refer(own, self._span(export.name))
+                    self._use(own, export.name)
                     if isinstance(facts, CompositeFacts):
                         inner = facts.inner.get(export.cell.text)
-                        self._collector.refer(
-                            f"{key}::{export.cell.text}", self._span(export.cell)
-                        )
+                        self._use(f"{key}::{export.cell.text}", export.cell)
                         self._port_of(inner, export.port)
 
     def _attributes(self, item: statements.Item, key: str, scope: Scope) -> None:
         if not isinstance(item.node, tree.Declaration):
             return
-        self._type(item.node.type, scope)
+        self._type(item.node.type.type, scope)
         for each in item.node.declarators:
             name = each.declarator.name
             if name is not None:
@@ -335,36 +333,30 @@ class _Walk:
         container: str,
         inside: CompositeFacts | None,
     ) -> None:
-        type_ = self._refer(node.celltype, scope)
-        if inside is None:
-            entity = scope.entities.get(node.name.text)
-            if entity is not None:
-                key = key_of(entity)
-                if entity.place == self._span(node.name):
-                    detail = str(node.celltype)
-                    self._define(key, node.name, Kind.CELL, item, container, detail)
-                else:
-                    self._collector.refer(key, self._span(node.name))
-        else:
+        type_, detail = self._refer(node.celltype, scope), str(node.celltype)
+        entity = scope.entities.get(node.name.text)
+        if inside is not None:
             key = f"{container}::{node.name.text}"
-            detail = str(node.celltype)
             self._define(key, node.name, Kind.CELL, item, container, detail)
+        elif entity is not None and entity.place == self._span(node.name):
+            self._define(key_of(entity), node.name, Kind.CELL, item, container, detail)
+        elif entity is not None:
+            self._use(key_of(entity), node.name)
         for each in node.joins or ():
             match each.node:
                 case statements.Join() as join:
-                    if type_ is not None:
-                        own = f"{key_of(type_)}::{join.name.text}"
-                        self._collector.refer(own, self._span(join.name))
+                    self._use_part(type_, join.name)
                     self._value(join.value, scope, inside)
                 case statements.ReverseJoin() as reverse:
-                    if type_ is not None:
-                        own = f"{key_of(type_)}::{reverse.name.text}"
-                        self._collector.refer(own, self._span(reverse.name))
+                    self._use_part(type_, reverse.name)
                     self._target(reverse.target, scope, inside)
                 case statements.Export() as export:
-                    if type_ is not None:
-                        own = f"{key_of(type_)}::{export.port.text}"
-                        self._collector.refer(own, self._span(export.port))
+                    self._use_part(type_, export.port)
+
+    def _use_part(self, owner: Entity | None, name: tree.Name) -> None:
+        """Record a use of a port or an attribute of a celltype, or of a cell's port."""
+        if owner is not None:
+            self._use(f"{key_of(owner)}::{name.text}", name)
 
     def _target(
         self,
@@ -386,7 +378,7 @@ class _Walk:
             inner = inside.inner.get(owner.parts[0].text)
             if inner is not None:
                 key = f"{key_of(inside.entity)}::{owner.parts[0].text}"
-                self._collector.refer(key, self._span(owner.parts[0]))
+                self._use(key, owner.parts[0])
                 self._port_of(inner, port)
                 return
         entity = self._refer(owner, scope)
@@ -395,12 +387,11 @@ class _Walk:
         if isinstance(entity.component, CellFacts):
             self._port_of(entity.component, port)
         elif entity.kind in (scopes.Kind.CELLTYPE, scopes.Kind.COMPOSITE):
-            self._collector.refer(f"{key_of(entity)}::{port.text}", self._span(port))
+            self._use_part(entity, port)
 
     def _port_of(self, cell: CellFacts | None, port: tree.Name) -> None:
         if cell is not None and cell.celltype is not None:
-            key = f"{key_of(cell.celltype.entity)}::{port.text}"
-            self._collector.refer(key, self._span(port))
+            self._use_part(cell.celltype.entity, port)
 
     def _value(
         self,
@@ -434,7 +425,7 @@ class _Walk:
                     self._value(item, scope, inside)
             case tree.OfComposite(name=name) if inside is not None:
                 key = f"{key_of(inside.entity)}::{name.text}"
-                self._collector.refer(key, self._span(name))
+                self._use(key, name)
 
 
 def file_and_name(key: str) -> tuple[str, tuple[str, ...]]:

@@ -201,9 +201,7 @@ class SdoFollower:
             return None
         if not last:
             return self._step("segment taken")
-        done = SdoStep("write done", self._target, holds=self._octets.value())
-        self.reset()
-        return done
+        return self._done("write done")
 
     def _complete(self, verb: str) -> SdoStep:
         value = self._octets.value()
@@ -267,38 +265,30 @@ class SdoFollower:
         sent, last = len(self._block), self._last
         if last is not None and taken >= last:
             if self._reading:
-                self._expect(None, self._block_read)
+                self._expect(None, self._block_end)
             else:
-                self._expect(self._block_written, None)
+                self._expect(self._block_end, None)
         self._next_block(reading=self._reading)
         lost = f"; {sent - taken} again" if taken < sent else ""
         return self._step("block taken", f"{self._octets.progress()}{lost}")
 
-    def _block_written(self, data: bytes) -> SdoStep | None:
+    def _block_end(self, data: bytes) -> SdoStep | None:
         if data[0] & ~0x1C != sdo.BLOCK_END:
             return None
         self._octets.cut(data[0] >> 2 & 7)
+        if self._reading:
+            self._expect(self._block_done, None)
+            return self._complete("block read end")
         self._expect(None, self._block_done)
         return self._complete("block write end")
 
     def _block_done(self, data: bytes) -> SdoStep | None:
         if data[0] != sdo.BLOCK_ENDED:
             return None
-        done = SdoStep("block write done", self._target, holds=self._octets.value())
-        self.reset()
-        return done
+        return self._done(f"block {'read' if self._reading else 'write'} done")
 
-    def _block_read(self, data: bytes) -> SdoStep | None:
-        if data[0] & ~0x1C != sdo.BLOCK_END:
-            return None
-        self._octets.cut(data[0] >> 2 & 7)
-        self._expect(self._block_read_done, None)
-        return self._complete("block read end")
-
-    def _block_read_done(self, data: bytes) -> SdoStep | None:
-        if data[0] != sdo.BLOCK_ENDED:
-            return None
-        done = SdoStep("block read done", self._target, holds=self._octets.value())
+    def _done(self, verb: str) -> SdoStep:
+        done = SdoStep(verb, self._target, holds=self._octets.value())
         self.reset()
         return done
 
