@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from enum import IntEnum
-from typing import Final, Literal, TypeAlias
+from typing import Final, Literal, TypeAlias, cast
 
 NMT: Final = 0x000
 SYNC: Final = 0x080
@@ -100,16 +100,12 @@ Kind: TypeAlias = Literal[
 ]  # fmt: skip
 """A class of values: an integer or a real of a number of bits, text, octets, or a time."""
 
-SIGNED_KINDS: Final[Mapping[Kind, int]] = {
-    "i8": 8, "i16": 16, "i24": 24, "i32": 32,
-    "i40": 40, "i48": 48, "i56": 56, "i64": 64,
-}  # fmt: skip
+_WIDTHS: Final = range(8, 65, 8)
+
+SIGNED_KINDS: Final = {cast("Kind", f"i{bits}"): bits for bits in _WIDTHS}
 """Widths in bits of the kinds of signed integers."""
 
-UNSIGNED_KINDS: Final[Mapping[Kind, int]] = {
-    "u8": 8, "u16": 16, "u24": 24, "u32": 32,
-    "u40": 40, "u48": 48, "u56": 56, "u64": 64,
-}  # fmt: skip
+UNSIGNED_KINDS: Final = {cast("Kind", f"u{bits}"): bits for bits in _WIDTHS}
 """Widths in bits of the kinds of unsigned integers."""
 
 KIND_BITS: Final[Mapping[Kind, int]] = {
@@ -130,22 +126,8 @@ KINDS: Final[Mapping[DataType, Kind]] = {
     DataType.TIME_DIFFERENCE: "time_difference",
     DataType.REAL32: "r32",
     DataType.REAL64: "r64",
-    DataType.INTEGER8: "i8",
-    DataType.INTEGER16: "i16",
-    DataType.INTEGER24: "i24",
-    DataType.INTEGER32: "i32",
-    DataType.INTEGER40: "i40",
-    DataType.INTEGER48: "i48",
-    DataType.INTEGER56: "i56",
-    DataType.INTEGER64: "i64",
-    DataType.UNSIGNED8: "u8",
-    DataType.UNSIGNED16: "u16",
-    DataType.UNSIGNED24: "u24",
-    DataType.UNSIGNED32: "u32",
-    DataType.UNSIGNED40: "u40",
-    DataType.UNSIGNED48: "u48",
-    DataType.UNSIGNED56: "u56",
-    DataType.UNSIGNED64: "u64",
+    **{DataType[f"INTEGER{bits}"]: kind for kind, bits in SIGNED_KINDS.items()},
+    **{DataType[f"UNSIGNED{bits}"]: kind for kind, bits in UNSIGNED_KINDS.items()},
 }
 """The kind of each data type."""
 

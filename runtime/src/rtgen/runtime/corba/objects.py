@@ -118,7 +118,9 @@ class Objects:
 
     def __init__(self, orb: Orb) -> None:
         self._orb = orb.orb
-        self._poa = orb.poa
+        self._activate = orb.activate
+        self.withdraw = orb.deactivate
+        """Removes an object created by `serve`."""
         self._busy = orb.busy
         self._limit = orb.limit
         self.types = WireTypes(self)
@@ -148,12 +150,7 @@ class Objects:
         if class_ is None:
             class_ = _servant_class(interface, self.operations(interface))
             self._classes[interface] = class_
-        servant = class_(call, exists, self._busy)
-        return self._poa.id_to_reference(self._poa.activate_object(servant))
-
-    def withdraw(self, reference: Any) -> None:
-        """Remove an object created by `serve`."""
-        self._poa.deactivate_object(self._poa.reference_to_id(reference))
+        return self._activate(class_(call, exists, self._busy))
 
     def remote(self, interface: type[Servant], reference: Any) -> Remote:
         """Return a caller of the object, using an interface."""

@@ -58,6 +58,14 @@ class Orb:
                 self.orb.destroy()
             raise TransportError(f"omniORB cannot listen at {host}: {error}") from error
 
+    def activate(self, servant: Any) -> Any:
+        """Return a reference to the object of a servant."""
+        return self.poa.id_to_reference(self.poa.activate_object(servant))
+
+    def deactivate(self, reference: Any) -> None:
+        """Remove an object created by `activate`."""
+        self.poa.deactivate_object(self.poa.reference_to_id(reference))
+
     def limit(self, reference: Any) -> None:
         """Bound the calls of a reference, since an existing ORB may have other options."""
         omniORB.setClientCallTimeout(reference, self._milliseconds)

@@ -215,12 +215,14 @@ class NamedCorba(CorbaCalls):
     def sending(
         self,
         name: str,
-        here: OutPort[Any],
+        here: InPort[Any] | OutPort[Any],
         there: RemotePort,
         properties: Mapping[str, str],
     ) -> PeerConnection:
         """Return a connection to an InPort of another process, not established."""
-        return self._peer(name, here, there, properties)
+        made = PeerConnection(name, here, there, properties, self.rt_objects)
+        self._peers.append(made)
+        return made
 
     def receiving(
         self,
@@ -231,18 +233,7 @@ class NamedCorba(CorbaCalls):
         guard: Callable[[], Guard],
     ) -> PeerConnection:
         """Return a connection from an OutPort of another process, not established."""
-        return self._peer(name, here, there, properties)
-
-    def _peer(
-        self,
-        name: str,
-        here: InPort[Any] | OutPort[Any],
-        there: RemotePort,
-        properties: Mapping[str, str],
-    ) -> PeerConnection:
-        made = PeerConnection(name, here, there, properties, self.rt_objects)
-        self._peers.append(made)
-        return made
+        return self.sending(name, here, there, properties)
 
     # Other processes
 

@@ -16,7 +16,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Collection, Hashable, Iterator, Sequence
 from concurrent.futures import Future
 from concurrent.futures import TimeoutError as FutureTimeout
-from contextlib import contextmanager
+from contextlib import ExitStack, contextmanager
 from typing import Any, NamedTuple
 
 from cyclonedds.core import DDSStatus
@@ -67,24 +67,19 @@ class DdsService:
         types: Sequence[ServiceTypes],
         on_request: OnRequest,
     ) -> None:
-        self._endpoints: list[_Endpoint] = []
-        try:
+        with ExitStack() as opened:
             for each in types:
-                self._endpoints.append(
-                    _Endpoint(factory, dispatcher, service, each, on_request)
-                )
-        except MediumError:
-            self.close()
-            raise
+                end = _Endpoint(factory, dispatcher, service, each, on_request)
+                opened.callback(end.close)
+            self._opened = opened.pop_all()
 
     def close(self) -> None:
         """Serve no more."""
-        for endpoint in self._endpoints:
-            endpoint.close()
+        self._opened.close()
 
 
-class DdsServer(ABC):
-    """A reader of requests and a writer of their replies."""
+class _End(ABC):
+    """A reader and a writer of a service."""
 
     def __init__(
         self, service: str, writer: DataWriter[Any], reader: DataReader[Any]
@@ -92,36 +87,52 @@ class DdsServer(ABC):
         self._service = service
         self._writer = writer
         self._reader = reader
-        self._sending = threading.Lock()
+        self._lock = threading.Lock()
         self._closed = False
         self._condition = entities.condition(reader)
         self._entries: list[Entry] = []
+        self._waiting: dict[Hashable, tuple[int, Future[bytes]]] = {}
+        """The server of each request under way; a server has none."""
 
     @abstractmethod
     def _received(self, octets: bytes, writer: int) -> None:
-        """Process a request of the writer with this handle."""
+        """Process a request or reply of the writer with this handle."""
 
     def _start(self, dispatcher: Dispatcher) -> None:
         self._entries.append(dispatcher.add(self._condition, self._take))
-
-    def close(self) -> None:
-        """Serve no more."""
-        with self._sending:
-            if self._closed:
-                return
-            self._closed = True
-        for entry in self._entries:
-            entry.close()
-        for entity in (self._condition, self._reader, self._writer):
-            entities.delete(entity)
 
     def _take(self) -> None:
         for octets, info in entities.taken(self._reader):
             if info.valid_data:
                 self._received(octets, info.publication_handle)
 
+    def close(self) -> None:
+        """Delete reader and writer. A second call has no effect."""
+        with self._lock:
+            if self._closed:
+                return
+            self._closed = True
+        self._fail("the client is closed")
+        for entry in self._entries:
+            entry.close()
+        with self._lock:
+            for entity in (self._condition, self._reader, self._writer):
+                entities.delete(entity)
+
+    def _fail(self, why: str, remaining: Collection[int] = ()) -> None:
+        """End the calls whose servers do not remain."""
+        with self._lock:
+            waiting = list(self._waiting.values())
+        for server, future in waiting:
+            if server not in remaining and not future.done():
+                future.set_exception(PeerLostError(why))
+
+
+class DdsServer(_End):
+    """A reader of requests and a writer of their replies."""
+
     def _reply(self, octets: bytes) -> None:
-        with self._sending:
+        with self._lock:
             if self._closed:
                 return
             try:
@@ -162,22 +173,14 @@ class Request(NamedTuple):
     octets: bytes
 
 
-class DdsClient(ABC):
+class DdsClient(_End):
     """A writer of requests and a reader of their replies; see `medium.Client`."""
 
     def __init__(
         self, service: str, writer: DataWriter[Any], reader: DataReader[Any]
     ) -> None:
-        self._service = service
-        self._writer = writer
-        self._reader = reader
-        self._waiting: dict[Hashable, tuple[int, Future[bytes]]] = {}
-        """The server of each request under way."""
-        self._lock = threading.Lock()
-        self._closed = False
+        super().__init__(service, writer, reader)
         self._times_cancelled = 0
-        self._condition = entities.condition(reader)
-        self._entries: list[Entry] = []
         writer.set_status_mask(DDSStatus.PublicationMatched)
 
     @abstractmethod
@@ -193,10 +196,8 @@ class DdsClient(ABC):
         """Return the handles of the servers that are there."""
 
     def _start(self, dispatcher: Dispatcher) -> None:
-        self._entries += [
-            dispatcher.add(self._condition, self._take),
-            dispatcher.add(self._writer, self._matched_changed),
-        ]
+        super()._start(dispatcher)
+        self._entries.append(dispatcher.add(self._writer, self._matched_changed))
 
     def call(self, octets: bytes, timeout: float) -> bytes:
         """See `medium.Client`."""
@@ -253,19 +254,6 @@ class DdsClient(ABC):
             self._times_cancelled += 1
         self._fail(f"the call of {self._service} is cancelled")
 
-    def close(self) -> None:
-        """See `medium.Client`."""
-        with self._lock:
-            if self._closed:
-                return
-            self._closed = True
-        self._fail("the client is closed")
-        for entry in self._entries:
-            entry.close()
-        with self._lock:
-            for entity in (self._condition, self._reader, self._writer):
-                entities.delete(entity)
-
     def _matched_changed(self) -> None:
         writer: Any = self._writer
         with self._lock:
@@ -274,19 +262,6 @@ class DdsClient(ABC):
             writer.get_publication_matched_status()  # or the condition stays true
             servers = self._servers()
         self._fail(f"the server of {self._service} was lost", servers)
-
-    def _fail(self, why: str, remaining: Collection[int] = ()) -> None:
-        """End the calls whose servers do not remain."""
-        with self._lock:
-            waiting = list(self._waiting.values())
-        for server, future in waiting:
-            if server not in remaining and not future.done():
-                future.set_exception(PeerLostError(why))
-
-    def _take(self) -> None:
-        for octets, info in entities.taken(self._reader):
-            if info.valid_data:
-                self._received(octets, info.publication_handle)
 
     def _received(self, octets: bytes, writer: int) -> None:
         answer = self._answer(octets, writer)

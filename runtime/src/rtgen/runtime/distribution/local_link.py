@@ -230,17 +230,13 @@ class LocalLink(Closable):
                 self.dropped = dropped
                 if chains is not None:
                     self.chains = chains
-                if instances is not None:
-                    self.instances = instances
                 if wires is not None:
                     self.wires = wires
                 if instances is not None:
-                    gone = self.states.keys() - {*instances}
-                    self.states = {
-                        name: state
-                        for name, state in self.states.items()
-                        if name not in gone
-                    }
+                    self.instances = instances
+                    present = {*instances}
+                    states = self.states.items()
+                    self.states = {n: state for n, state in states if n in present}
                 if instances is not None or wires is not None or chains is not None:
                     self._told()
 

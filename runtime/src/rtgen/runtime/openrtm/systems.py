@@ -416,16 +416,10 @@ class Client:
         both, and for a property about an unknown consumer.
         """
         profiles = [port.get_port_profile() for port in ports]
-        provided = {
-            key: descriptor
-            for profile in profiles
-            for key, descriptor in self._interfaces(profile, self._rtc.PROVIDED)
-        }
-        required = {
-            key: descriptor
-            for profile in profiles
-            for key, descriptor in self._interfaces(profile, self._rtc.REQUIRED)
-        }
+        provided, required = (
+            dict(pair for each in profiles for pair in self._interfaces(each, polarity))
+            for polarity in (self._rtc.PROVIDED, self._rtc.REQUIRED)
+        )
         offered = ", ".join(sorted(provided)) or "none"
         for key, provider in connection.properties.items():
             if ".required." not in key:

@@ -6,8 +6,8 @@ The port has the two interfaces declared by an `.action` file. A server provides
 
 from __future__ import annotations
 
-from collections.abc import Iterator
-from typing import Any, Final, TypeAlias
+from collections.abc import Iterable, Iterator
+from typing import Any, Final, TypeAlias, TypeVar
 
 from rtgen.facts.ros import (
     ACTION_SERVICES,
@@ -28,6 +28,8 @@ from rtgen.runtime.services.ports import Consumer, Provider
 from rtgen.runtime.services.servants import ServiceError
 
 _Port: TypeAlias = Provider[Any] | Consumer[Any]
+_P = TypeVar("_P", bound=_Port)
+_Q = TypeVar("_Q", bound=_Port)
 _WAITS: Final = "get_result"
 _PROFILES: Final = {
     "feedback": PROFILES["default"],
@@ -84,6 +86,21 @@ def _ends(component: Component, name: str) -> tuple[_Port, _Port | None]:
         if isinstance(each, Consumer) and each.connected:
             raise ServiceError(f"{whole} is connected in the system")
     return port, events
+
+
+def ends_in(
+    ones: Iterable[_P], others: Iterable[_Q], port: str
+) -> tuple[_P, _Q | None] | None:
+    """Return the end of an action's services in a port, and that of its topics, if it is there.
+
+    None if the port has no action among `ones`.
+    """
+    for one in ones:
+        if one.port == port and _is_action(_type(one)):
+            events = f"{_type(one)}{EVENTS_SUFFIX}"
+            fitting = (e for e in others if e.port == port and _type(e) == events)
+            return one, next(fitting, None)
+    return None
 
 
 def _type(port: _Port) -> str:

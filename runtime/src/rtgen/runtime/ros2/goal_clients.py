@@ -7,12 +7,12 @@ from collections.abc import Callable
 from typing import Any
 from uuid import uuid4
 
-from rtgen.facts.ros import EVENTS_SUFFIX
+from rtgen.runtime.ros2.actions import ends_in
 from rtgen.runtime.ros2.goals import GoalStatus
 from rtgen.runtime.ros2.services import messages_of
 from rtgen.runtime.ros2.types import blank
 from rtgen.runtime.rtc.component import Component
-from rtgen.runtime.services.ports import Consumer, Provider
+from rtgen.runtime.services.ports import Provider
 from rtgen.runtime.services.servants import ServiceError
 
 
@@ -74,7 +74,10 @@ class GoalClient:
         self._tell_feedback = self.on_feedback if on_feedback is None else on_feedback
         self._lock = threading.Lock()
         self._goals: dict[bytes, ClientGoal] = {}
-        self._consumer, events = _ends(component, port)
+        ends = ends_in(component.consumers.values(), component.providers.values(), port)
+        if ends is None:
+            raise ServiceError(f"{component.instance_name}.{port} uses no action")
+        self._consumer, events = ends
         if events is not None:
             events.set_servant(self._servant(events))
         component._put_before("on_deactivated", self.end)
@@ -207,20 +210,3 @@ class GoalClient:
                 self._component._function_failed(f"{self._port}.{name}", error)
 
         self._component._at_end_of_cycle(call)
-
-
-def _ends(
-    component: Component, port: str
-) -> tuple[Consumer[Any], Provider[Any] | None]:
-    """Return the ends of an action's client. Raises ServiceError."""
-    for consumer in component.consumers.values():
-        name = str(consumer.interface._descriptor_.name)
-        is_events = name.endswith(EVENTS_SUFFIX)
-        if consumer.port != port or "::action::" not in name or is_events:
-            continue
-        for provider in component.providers.values():
-            events = str(provider.interface._descriptor_.name)
-            if provider.port == port and events == name + EVENTS_SUFFIX:
-                return consumer, provider
-        return consumer, None
-    raise ServiceError(f"{component.instance_name}.{port} uses no action")

@@ -14,10 +14,10 @@ from typing import Any, Final
 
 from rtgen.facts.ros import EVENTS_SUFFIX
 from rtgen.runtime.failures import log
+from rtgen.runtime.ros2.actions import ends_in
 from rtgen.runtime.ros2.services import message_of, messages_of
 from rtgen.runtime.ros2.types import blank
 from rtgen.runtime.rtc.component import Component
-from rtgen.runtime.services.ports import Consumer, Provider
 from rtgen.runtime.services.servants import ServiceError
 from rtgen.runtime.timing.clocks import SECOND
 
@@ -120,7 +120,14 @@ class GoalServer:
         self._component = component
         self._function = self.execute if execute is None else execute
         self._limit = limit
-        self._provider, self._events = _ends(component, port)
+        match ends_in(component.providers.values(), component.consumers.values(), port):
+            case provider, events if events is not None:
+                self._provider, self._events = provider, events
+            case _:
+                where = f"{component.instance_name}.{port}"
+                raise ServiceError(
+                    f"{where} provides no action with its {EVENTS_SUFFIX}"
+                )
         self._changed = threading.Condition()
         self._goals: OrderedDict[bytes, GoalHandle] = OrderedDict()
         self._working: dict[bytes, Iterator[Any] | None] = {}
@@ -362,18 +369,3 @@ class GoalServer:
             getattr(self._events, operation)(message)
         except ServiceError as error:
             log.debug("%s: %s", self._component.instance_name, error)
-
-
-def _ends(component: Component, port: str) -> tuple[Provider[Any], Consumer[Any]]:
-    """Return the ends of an action's server. Raises ServiceError."""
-    for provider in component.providers.values():
-        name = str(provider.interface._descriptor_.name)
-        if provider.port != port or "::action::" not in name:
-            continue
-        for consumer in component.consumers.values():
-            events = str(consumer.interface._descriptor_.name)
-            if consumer.port == port and events == name + EVENTS_SUFFIX:
-                return provider, consumer
-    raise ServiceError(
-        f"{component.instance_name}.{port} provides no action with its {EVENTS_SUFFIX}"
-    )

@@ -107,14 +107,15 @@ class ManagedNodes:
             node.on_state(record)
 
     def _on_event(self, event: Event) -> None:
-        if isinstance(event, ParameterChange) and not self._closed:
-            node = self._nodes.get(event.instance)
-            if node is not None:
-                node.on_parameter(event.parameter, event.value)
-        if isinstance(event, LogLine) and not self._closed:
-            node = self._nodes.get(event.instance)
-            if node is not None:
-                node.on_line(event)
+        if not isinstance(event, ParameterChange | LogLine) or self._closed:
+            return
+        node = self._nodes.get(event.instance)
+        if node is None:
+            return
+        if isinstance(event, LogLine):
+            node.on_line(event)
+        else:
+            node.on_parameter(event.parameter, event.value)
 
 
 class _ManagedNode:

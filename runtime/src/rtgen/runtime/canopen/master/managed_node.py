@@ -12,7 +12,7 @@ from typing import Final, Protocol
 
 import msgspec
 
-from rtgen.runtime.canopen.bus.sdo_channel import ATTEMPTS, Done, Outcome
+from rtgen.runtime.canopen.bus.sdo_channel import ATTEMPTS, Outcome, SdoChannel
 from rtgen.runtime.canopen.description import NodeDescription
 from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.master.second_node import FOREIGN_ANSWERS, SecondNodeDetector
@@ -79,29 +79,6 @@ _ASKED_STATES: Final = {
 _RESETS: Final = (NmtCommand.RESET_NODE, NmtCommand.RESET_COMMUNICATION)
 
 
-class Channel(Protocol):
-    """Methods of `SdoChannel` used by the node."""
-
-    @property
-    def unexpected(self) -> int: ...
-
-    def restart(self) -> None: ...
-
-    def submit_upload(
-        self, index: int, subindex: int, done: Done, *, attempts: int = 1
-    ) -> None: ...
-
-    def submit_download(
-        self,
-        index: int,
-        subindex: int,
-        value: bytes,
-        done: Done,
-        *,
-        attempts: int = 1,
-    ) -> None: ...
-
-
 class Host(Protocol):
     """Methods of the manager used by the node."""
 
@@ -159,7 +136,7 @@ class ManagedNode:
     """
 
     def __init__(
-        self, description: NodeDescription, channel: Channel, host: Host
+        self, description: NodeDescription, channel: SdoChannel, host: Host
     ) -> None:
         self.description = description
         self.phase = NodePhase.IDLE

@@ -2,7 +2,9 @@
 
 from __future__ import annotations
 
-from typing import Final, Protocol
+from typing import Final
+
+from rtgen.runtime.canopen.bus.sdo_channel import SdoChannel
 
 FOREIGN_ANSWERS: Final = "SDO responses arrive without a request"
 _MANY_ANSWERS: Final = 3
@@ -13,21 +15,13 @@ _EXCESS: Final = 5, 3
 """More than 5 heartbeats in 3 periods, over a long time, are not those of one node."""
 
 
-class SdoResponses(Protocol):
-    """The counter of an SDO client that the detector reads."""
-
-    @property
-    def unexpected(self) -> int:
-        """Number of responses so far that belong to no request."""
-
-
 class SecondNodeDetector:
     """Counts heartbeats, boot-up messages and unexpected SDO responses of a node-id.
 
     `period` is that of the heartbeats, 0 without, `timeout` that of their supervision, in ns.
     """
 
-    def __init__(self, channel: SdoResponses, period: int, timeout: int) -> None:
+    def __init__(self, channel: SdoChannel, period: int, timeout: int) -> None:
         self._channel = channel
         self._period = period
         self._timeout = timeout

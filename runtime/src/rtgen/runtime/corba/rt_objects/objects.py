@@ -47,6 +47,8 @@ class Exported:
 
     def __init__(self, orb: Orb, *, gives_up: bool = True) -> None:
         self._orb = orb
+        self.withdraw, self.hasten = orb.deactivate, orb.hasten
+        """Remove an object created by `serve`; bound the calls made from now on."""
         self._gives_up = gives_up
         self._pace = Pace(_SHARE, _BURST)
         self._silent: dict[str, float] = {}
@@ -54,13 +56,9 @@ class Exported:
 
     def serve(self, interface: Interface, target: object) -> Any:
         """Return a reference to an object whose calls are those of `target`."""
-        servant = _class_of(interface)(target, self._orb.busy, self._pace)
-        return self._orb.poa.id_to_reference(self._orb.poa.activate_object(servant))
-
-    def withdraw(self, reference: Any) -> None:
-        """Remove an object created by `serve`."""
-        poa = self._orb.poa
-        poa.deactivate_object(poa.reference_to_id(reference))
+        return self._orb.activate(
+            _class_of(interface)(target, self._orb.busy, self._pace)
+        )
 
     def local(self, reference: Any) -> Any:
         """Return the Python object of a reference; None for one of another process."""
@@ -69,9 +67,7 @@ class Exported:
             return None
         try:
             return getattr(poa.reference_to_servant(reference), "_target", None)
-        except PortableServer.POA.WrongAdapter:
-            return None
-        except PortableServer.POA.ObjectNotActive:
+        except (PortableServer.POA.WrongAdapter, PortableServer.POA.ObjectNotActive):
             return None
 
     def call(
@@ -103,10 +99,6 @@ class Exported:
         descriptor = interface.operations[operation]
         with suppress(CORBA.SystemException):
             reference._obj.invoke(operation, descriptor, arguments)
-
-    def hasten(self, seconds: float) -> None:
-        """Bound the calls made from now on by a shorter time-out, too."""
-        self._orb.hasten(seconds)
 
     def text(self, reference: Any) -> str:
         """Return the IOR of a reference."""

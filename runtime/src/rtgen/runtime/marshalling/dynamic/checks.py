@@ -6,7 +6,7 @@ import struct
 from math import prod
 from typing import Any
 
-from rtgen.facts.primitives import OCTET_TYPES
+from rtgen.facts.primitives import NUMBERS, OCTET_TYPES
 from rtgen.runtime.marshalling.descriptors import (
     AliasDescriptor,
     ArrayDescriptor,
@@ -22,20 +22,7 @@ from rtgen.runtime.marshalling.descriptors import (
 )
 from rtgen.runtime.marshalling.errors import Fault
 
-CODES = {
-    "short": "h",
-    "unsigned short": "H",
-    "long": "i",
-    "unsigned long": "I",
-    "long long": "q",
-    "unsigned long long": "Q",
-    "int8": "b",
-    "uint8": "B",
-    "octet": "B",
-    "boolean": "B",
-    "float": "f",
-    "double": "d",
-}
+CODES = {**{name: scalar.code for name, scalar in NUMBERS.items()}, "boolean": "B"}
 """The `struct` codes of basic types."""
 
 TEXTS = OCTET_TYPES | {"char"}
