@@ -82,6 +82,8 @@ FOUND: dict[str, tuple[str, tuple[str, ...]]] = {
     "open_brace": ("module M { struct S { long a; };", ("IDL0105",)),
     "stray_brace": ("struct S { long a; }; };", ("IDL0106",)),
     "open_string": ('const string A = "a;\nstruct S { long a; };', ("IDL0108",)),
+    "open_wide_string": ('const wstring A = L"a;\nstruct S {};', ("IDL0108",)),
+    "open_wide_char": ("const wchar A = L'a;\nstruct S {};", ("IDL0109",)),
     "octal": ("const long A = 089;", ("IDL0109",)),
     "suffix": ("const float A = 1.0f;", ("IDL0109",)),
     "long_char": ("const char A = 'ab';", ("IDL0109",)),

@@ -158,10 +158,10 @@ class Parser:
 
     def _feed(self, tokens: Iterable[Token]) -> None:
         states, values, watched = self.states, self.values, self.watched
-        actions, rules = self._grammar.actions, self._grammar.rules
+        actions, rules, most = self._grammar.actions, self._grammar.rules, self.most
         for token in tokens:
             kind = token.type
-            if len(states) > self.most:
+            if len(states) > most:
                 raise TooDeepError(token)
             row = actions[states[-1]]
             while True:

@@ -247,7 +247,8 @@ class _Run:
         )
         self._parser.position = end
         if "STRING" in self._parser.accepts():
-            self._parser.feed(token("STRING", start, '""'))
+            closed = 'L""' if text[start] == "L" else '""'
+            self._parser.feed(token("STRING", start, closed))
 
     def _resume(self, start: int, statement: int) -> None:
         """Reset the stack to a list of declarations, and skip the rest of the invalid one."""

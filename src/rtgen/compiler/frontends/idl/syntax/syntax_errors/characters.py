@@ -66,7 +66,7 @@ def bad_character(unit: Unit, text: str, start: int) -> Diagnostic:
     """Return the diagnostic for a character that starts no token."""
     character = text[start]
     span = unit.span(start, start + 1)
-    if character == "'":
+    if character == "'" or text.startswith("L'", start):
         return syntax.BAD_LITERAL.at(
             span,
             "this character literal is not closed",
