@@ -176,6 +176,26 @@ def test_a_system_connects_what_the_judge_allows(
     assert run(["inspect", "systems/bench.xml", "definitions"]) == 0
 
 
+def test_a_system_has_the_components_of_a_board(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    started(monkeypatch)
+    assert run(["new", *PARTS["board"]]) == 0
+    board = ["LampClient", "LampMarshaller"]
+    for system, components in (
+        ("board", [*board, "OpaqueRpcCommunication"]),
+        ("others", []),
+    ):
+        assert run(["new", "system", system, *components]) == 0
+    text = Path("systems/board.xml").read_text(encoding="utf-8")
+    assert re.findall(r'rts:connectorId="([^"]*)"', text) == [
+        f"{board[0]}0.lamp_{board[1]}0.lamp",
+        f"{board[1]}0.communication_OpaqueRpcCommunication0.service",
+    ]
+    assert board[0] not in Path("systems/others.xml").read_text(encoding="utf-8")
+    assert [run(["check"]), run(["run", "systems/board.xml", "--until", "1"])] == [0, 0]
+
+
 USER = """\
 #include "{proxy}"
 #include "CanopenManager.idl"

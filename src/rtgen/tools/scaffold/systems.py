@@ -19,13 +19,13 @@ from rtgen.compiler.model import (
     System,
     SystemComponent,
 )
-from rtgen.compiler.model.system_links import Known
+from rtgen.compiler.model.system_links import Known, known_components
 from rtgen.compiler.systems import connections
 from rtgen.tools.scaffold.rules import NO_COMPONENT
 
 _ASCENDING = (Severity.NOTE, Severity.WARNING, Severity.ERROR)
 _NO_SPAN = Span("", 1, 1, 1, 1)
-_Placed = tuple[str, Component]
+_Placed = tuple[str, Known]
 
 
 def system_of(
@@ -39,11 +39,16 @@ def system_of(
     consumer to the nearest provider of its interface. Ports that the judge of connections refuses
     stay apart; those of other scales are joined if nothing else fits. Components that play devices
     are connected by their buses alone. Raises InputError for a name that is not a component of the
-    model.
+    lowered model, or of its boards.
     """
-    components = {d.name[-1]: d for d in model.declarations if isinstance(d, Component)}
+    models = [model, *(package.model for package in model.packages)]
+    components = known_components(models)
     if not names:
-        names = [n for n, c in components.items() if not (c.runtime_base or c.factory)]
+        names = [
+            n
+            for n, known in components.items()
+            if known.model is model and not _needs_more(known.component)
+        ]
     if not names:
         hint = "rtgen new component NAME makes one"
         raise InputError([NO_COMPONENT.at(None, "there are no components", hint=hint)])
@@ -71,16 +76,16 @@ def system_of(
         components=tuple(
             SystemComponent(
                 instance=instance,
-                type=component.name[-1],
-                id=component.profile_id,
+                type=known.component.name[-1],
+                id=known.component.profile_id,
                 path_uri=f"localhost/{instance}.rtc",
                 span=_NO_SPAN,
-                rate=component.rate,
-                kind=component.context_kind,
+                rate=known.component.rate,
+                kind=known.component.context_kind,
             )
-            for instance, component in placed
+            for instance, known in placed
         ),
-        connections=tuple(_connections(model, placed, ambiguous)),
+        connections=tuple(_connections(placed, ambiguous)),
         activation=tuple(
             Activation(instance=instance, sequence=number)
             for number, (instance, _) in enumerate(placed, 1)
@@ -89,30 +94,36 @@ def system_of(
     return system, ambiguous
 
 
+def _needs_more(component: Component) -> bool:
+    """Return whether the behaviour of a component needs a bus, or a channel to a board."""
+    return bool(component.runtime_base or component.factory)
+
+
 def _connections(
-    model: Model, placed: Sequence[_Placed], ambiguous: list[str]
+    placed: Sequence[_Placed], ambiguous: list[str]
 ) -> Iterator[Connection]:
-    placed = [one for one in placed if not one[1].is_device]
-    known = {instance: Known(component, model) for instance, component in placed}
-    for number, (instance, component) in enumerate(placed):
+    placed = [one for one in placed if not one[1].component.is_device]
+    definitions = dict(placed)
+    for number, (instance, known) in enumerate(placed):
         before, after = placed[:number][::-1], placed[number + 1 :]
-        for port in component.ports:
+        for port in known.component.ports:
             if port.kind is PortKind.INPORT:
-                type_ = _repository_id(model, port)
                 links = [
-                    _connection(end, (instance, port), data_type=type_)
-                    for end in _fitting(model, before, PortKind.OUTPORT, port)
+                    _connection(
+                        end, (instance, port), _repository_id(known.model, port)
+                    )
+                    for end in _fitting(known.model, before, PortKind.OUTPORT, port)
                 ]
             elif port.kind is PortKind.CONSUMER:
                 links = [
                     _connection((instance, port), end)
                     for end in _fitting(
-                        model, [*before, *after], PortKind.PROVIDER, port
+                        known.model, [*before, *after], PortKind.PROVIDER, port
                     )
                 ]
             else:
                 continue
-            fitting, doubt = _judged(links, known)
+            fitting, doubt = _judged(links, definitions)
             yield from fitting[:1]
             if doubt:
                 ambiguous.append(f"{instance}.{port.name}: {doubt}")
@@ -159,9 +170,9 @@ def _fitting(
     type_ = model.unalias(port.type)
     return [
         (instance, other)
-        for instance, component in others
-        for other in component.ports
-        if other.kind is kind and model.unalias(other.type) == type_
+        for instance, known in others
+        for other in known.component.ports
+        if other.kind is kind and known.model.unalias(other.type) == type_
     ]
 
 
