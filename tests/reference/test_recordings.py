@@ -241,3 +241,29 @@ def test_refusals(
     ]
     assert rtgen(given) == code
     assert what in capfd.readouterr().err
+
+
+@pytest.mark.parametrize("command", ["run", "ui", "replay"])
+def test_without_the_library_nothing_begins(
+    command: str,
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    """No component is created, and the results of an earlier run stay."""
+    monkeypatch.setattr(
+        "rtgen.tools.recording.mcap_writer.find_spec", lambda name: None
+    )
+    log = tmp_path / "run.jsonl"
+    log.write_text("before", encoding="utf-8")
+    files = ["--record", str(tmp_path / "a.mcap"), "--log", str(log)]
+    given = {
+        "run": [str(GOAL), "--until", "1", *files],
+        "ui": [str(GOAL), "--no-open", *files[:2]],
+        "replay": [str(tmp_path / "b.mcap"), "--into", str(GOAL), *files],
+    }[command]
+    (tmp_path / "b.mcap").write_bytes(b"")
+    assert rtgen([command, *given]) == 3
+    assert "recordings need mcap" in capfd.readouterr().err
+    assert log.read_text(encoding="utf-8") == "before"
+    assert not (tmp_path / "a.mcap").exists()

@@ -13,16 +13,15 @@ import zlib
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
 from functools import cached_property
-from importlib.util import find_spec
 from io import BytesIO
 from pathlib import Path
 from typing import TYPE_CHECKING, Any, BinaryIO
 
-from rtgen.facts.extras import installation
 from rtgen.facts.files import open_file
 from rtgen.tools.recording.copies import Copy
 from rtgen.tools.recording.errors import RecordingError, UnavailableError
 from rtgen.tools.recording.mcap_writer import MAGIC as MAGIC
+from rtgen.tools.recording.mcap_writer import require_library
 from rtgen.tools.recording.schemas import Schema
 
 if TYPE_CHECKING:
@@ -78,11 +77,7 @@ class McapFile:
 
     def __init__(self, path: str | Path, copy: Copy | None = None) -> None:
         """Open a file, or its copy. Raises RecordingError if it is missing or not MCAP."""
-        if find_spec("mcap") is None:
-            raise UnavailableError(
-                "recordings need mcap, which is not installed",
-                hint=installation("record"),
-            )
+        require_library()
         self.path = Path(path)
         self._copy = copy
         self.damaged = 0

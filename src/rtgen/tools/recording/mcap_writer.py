@@ -39,6 +39,15 @@ _WORD = (1 << 32) - 1
 _INDEX = struct.Struct("<BQHI")
 
 
+def require_library() -> None:
+    """Raise UnavailableError if the package `mcap` is not installed."""
+    if find_spec("mcap") is None:
+        raise UnavailableError(
+            "recordings need mcap, which is not installed",
+            hint=installation("record"),
+        )
+
+
 class McapWriter(Closable):
     """An MCAP file being written. Its methods can be called from any thread.
 
@@ -55,11 +64,7 @@ class McapWriter(Closable):
         profile: str = "",
     ) -> None:
         """Create the file; `profile` is that of its header. Raises RecordingError."""
-        if find_spec("mcap") is None:
-            raise UnavailableError(
-                "recordings need mcap, which is not installed",
-                hint=installation("record"),
-            )
+        require_library()
         from mcap import records
 
         self._records = records

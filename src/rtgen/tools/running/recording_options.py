@@ -12,10 +12,10 @@ from rtgen.compiler.systems.rules import MISSING
 from rtgen.runtime.system.records import MissingSamples
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.recording.mcap_writer import McapWriter, require_library
 
 if TYPE_CHECKING:
     from rtgen.tools.recording.bag_recorder import BagRecorder
-    from rtgen.tools.recording.mcap_writer import McapWriter
     from rtgen.tools.recording.recorder import Recorder
 
 _SUFFIX = ".mcap"
@@ -25,10 +25,17 @@ MAX_CHUNK_NS: Final = 1_000_000_000
 
 @dataclass(frozen=True, slots=True)
 class RecordingOptions:
-    """Options of a recording: the file and its compression."""
+    """Options of a recording: the file and its compression.
+
+    Raises ToolError if the library is not installed: before a run creates components or files.
+    """
 
     file: str | None = None
     compression: str | None = None
+
+    def __post_init__(self) -> None:
+        if self.file is not None:
+            require_library()
 
     @property
     def events_file(self) -> Path:
@@ -80,8 +87,6 @@ class RecordingOptions:
 
         Raises ToolError.
         """
-        from rtgen.tools.recording.mcap_writer import McapWriter
-
         compression = self.compression or "zstd"
         return files.enter_context(McapWriter(file, compression, longest=longest))
 
