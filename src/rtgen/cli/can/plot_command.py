@@ -14,10 +14,11 @@ from rtgen.cli.options import with_console
 from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.decoding.frame_printing import MessageDecoder
 from rtgen.tools.can.decoding.node_index import NodeIndex
-from rtgen.tools.can.decoding.time_series import Series, check_output, draw, write_csv
+from rtgen.tools.can.decoding.time_series import check_output, draw, write_csv
 from rtgen.tools.can.live.live_bus import frames, opened
 from rtgen.tools.can.parsing import logs
 from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.curve import Curve
 from rtgen.tools.kit.exits import NO, OK
 from rtgen.tools.kit.files import values_file
 
@@ -84,27 +85,27 @@ def plot_(
             write_csv(path, list(curves.values()))
         else:
             draw(path, list(curves.values()))
-    for series in curves.values():
-        values = "value" if len(series.times) == 1 else "values"
-        console.say(f"{series.label}: {len(series.times)} {values}")
-    return OK if any(series.times for series in curves.values()) else NO
+    for curve in curves.values():
+        values = "value" if len(curve.times) == 1 else "values"
+        console.say(f"{curve.name}: {len(curve.times)} {values}")
+    return OK if any(curve.times for curve in curves.values()) else NO
 
 
 def _series(
     node_index: NodeIndex, objects: tuple[str, ...]
-) -> dict[tuple[str, tuple[int, int]], Series]:
+) -> dict[tuple[str, tuple[int, int]], Curve]:
     series = {}
     for text in objects:
         for node, thing in node_index.find(text):
             key = node.name, thing.number
-            series[key] = Series(f"{node.name}.{thing.name}", thing.unit)
+            series[key] = Curve(f"{node.name}.{thing.name}", thing.unit)
     return series
 
 
 def _collect(
     received: Iterator[Message | None],
     decoder: MessageDecoder,
-    curves: dict[tuple[str, tuple[int, int]], Series],
+    curves: dict[tuple[str, tuple[int, int]], Curve],
 ) -> None:
     start = None
     for message in received:

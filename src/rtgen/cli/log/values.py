@@ -11,6 +11,7 @@ from rtgen.compiler.diagnostics import InputError
 from rtgen.compiler.systems.rules import OBSERVABLE
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.curve import Curve
 from rtgen.tools.kit.member_units import no_units
 from rtgen.tools.recording.events import Log
 from rtgen.tools.recording.selection import (
@@ -19,7 +20,7 @@ from rtgen.tools.recording.selection import (
     say_losses,
     source,
 )
-from rtgen.tools.running.curves import Curve, Selection
+from rtgen.tools.running.curves import Selection
 
 
 def with_values(command: Callable[..., int]) -> Callable[..., int]:

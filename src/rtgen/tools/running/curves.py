@@ -4,12 +4,11 @@ from __future__ import annotations
 
 import re
 from collections.abc import Callable, Iterator, Sequence
-from dataclasses import dataclass, field
 from difflib import get_close_matches
 from itertools import islice
 from pathlib import Path
 from textwrap import shorten
-from typing import Any, TextIO, TypeAlias
+from typing import Any, TextIO
 
 from rtgen import runtime
 from rtgen.compiler.diagnostics import InputError
@@ -20,6 +19,7 @@ from rtgen.runtime.marshalling.descriptors import Descriptor
 from rtgen.runtime.system.json_printers import plain
 from rtgen.runtime.system.records import MissingSamples
 from rtgen.runtime.timing.clocks import SECOND
+from rtgen.tools.kit.curve import Curve, Number
 from rtgen.tools.kit.member_units import MemberPath, Units, no_units, units_of
 from rtgen.tools.running.selected_members import MemberError, require_numbers
 from rtgen.tools.running.trajectory import (
@@ -42,23 +42,6 @@ _STEP = re.compile(r"\.(\w+)|\[(\d+)\]")
 _MAX_NUMBERS = 32
 _MAX_TEXT = 80
 _PERIOD = SECOND // 50
-
-Number: TypeAlias = float | int
-
-
-@dataclass(slots=True)
-class Curve:
-    """Values over time [s]; `unit` is empty if the definition has none."""
-
-    name: str
-    unit: str = ""
-    times: list[float] = field(default_factory=list)
-    values: list[Number] = field(default_factory=list)
-
-    @property
-    def title(self) -> str:
-        """The name with the unit."""
-        return f"{self.name} [{self.unit}]" if self.unit else self.name
 
 
 class Selection:
@@ -124,8 +107,7 @@ class Selection:
         for name, number, member in numbers:
             if (curve := self._curves.get(name)) is None:
                 curve = self._curves[name] = Curve(name, units(member))
-            curve.times.append(time)
-            curve.values.append(number)
+            curve.add(time, number)
 
 
 def divided(

@@ -4,15 +4,14 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Sequence
-from io import TextIOWrapper
 from pathlib import Path
 
-from rtgen.compiler.diagnostics import ToolError
 from rtgen.facts.extras import installation
-from rtgen.facts.files import create_file
+from rtgen.tools.kit.curve import Curve
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.running.trajectory import (
     PICTURES,
+    Results,
     reproducible,
     require_matplotlib,
     save_picture,
@@ -20,26 +19,6 @@ from rtgen.tools.running.trajectory import (
 
 _WIDTH, _HEIGHT = 9.0, 2.6
 """Width of a picture and height of each of its diagrams, in inches."""
-
-
-class Series:
-    """The values of an object, with times in seconds since the first frame."""
-
-    def __init__(self, label: str, unit: str) -> None:
-        self.label = label
-        self.unit = unit
-        self.times: list[float] = []
-        self.values: list[int | float] = []
-
-    @property
-    def title(self) -> str:
-        """The label with its unit."""
-        return f"{self.label} [{self.unit}]" if self.unit else self.label
-
-    def add(self, time: float, value: int | float) -> None:
-        """Append a value."""
-        self.times.append(time)
-        self.values.append(value)
 
 
 def check_output(path: Path) -> None:
@@ -52,40 +31,35 @@ def check_output(path: Path) -> None:
     require_matplotlib(suffix, f"{installation('plot')}; or write .csv")
 
 
-def write_csv(path: Path, curves: Sequence[Series]) -> None:
-    """Write a row for each value and a column for each series. Raises ToolError."""
+def write_csv(path: Path, curves: Sequence[Curve]) -> None:
+    """Write a row for each value and a column for each curve. Raises ToolError."""
     rows = sorted(
         (time, column, value)
-        for column, series in enumerate(curves)
-        for time, value in zip(series.times, series.values, strict=True)
+        for column, curve in enumerate(curves)
+        for time, value in zip(curve.times, curve.values, strict=True)
     )
-    try:
-        with TextIOWrapper(create_file(path), encoding="utf-8", newline="") as stream:
-            writer = csv.writer(stream, lineterminator="\n")
-            writer.writerow(["t", *(series.title for series in curves)])
-            for time, column, value in rows:
-                cells = [""] * len(curves)
-                cells[column] = repr(value)
-                writer.writerow([f"{time:.6f}", *cells])
-    except OSError as error:
-        raise ToolError(f"cannot write {path}: {error.strerror}") from error
+    with Results(str(path)) as stream:
+        writer = csv.writer(stream, lineterminator="\n")
+        writer.writerow(["t", *(curve.title for curve in curves)])
+        for time, column, value in rows:
+            cells = [""] * len(curves)
+            cells[column] = repr(value)
+            writer.writerow([f"{time:.6f}", *cells])
 
 
-def draw(path: Path, curves: Sequence[Series]) -> None:
+def draw(path: Path, curves: Sequence[Curve]) -> None:
     """Draw one diagram for each unit, above a common time axis. Raises ToolError."""
     from matplotlib.figure import Figure
 
-    units = list(dict.fromkeys(series.unit for series in curves))
+    units = list(dict.fromkeys(curve.unit for curve in curves))
     with reproducible():
         figure = Figure((_WIDTH, 1.0 + _HEIGHT * len(units)), layout="constrained")
         rows = figure.subplots(len(units), sharex=True, squeeze=False)
         for unit, (axes,) in zip(units, rows, strict=True):
-            for series in curves:
-                if series.unit == unit:
+            for curve in curves:
+                if curve.unit == unit:
                     # A value holds until the next sample.
-                    axes.step(
-                        series.times, series.values, where="post", label=series.label
-                    )
+                    axes.step(curve.times, curve.values, where="post", label=curve.name)
             axes.set_ylabel(unit or "value")
             axes.grid(visible=True, alpha=0.3)
             axes.legend(loc="best")
