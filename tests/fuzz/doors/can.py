@@ -32,7 +32,7 @@ from rtgen.runtime.canopen.wire import lss_master, sdo
 from rtgen.runtime.canopen.wire.emergency import (
     DEFAULT_STOPS,
     EmergencyPolicy,
-    decode_emergency,
+    emergency_in,
 )
 from rtgen.runtime.canopen.wire.frames import (
     LSS_REQUEST,
@@ -203,11 +203,11 @@ def _emcy(_folder: Path) -> Door:
             except ValueError:
                 return False
             return True
-        frame = Frame(0x081 + data[0] % 0x80 if data else 0x80, data[1:9])
-        found = decode_emergency(frame)
-        if found is None:
+        node_id = 1 + data[0] % 0x7F if data else 1
+        frame = Frame(0x080 + node_id, data[1:9])
+        emergency = emergency_in(frame)
+        if emergency is None:
             return False
-        node_id, emergency = found
         policy.stops(emergency)
         str(emergency)
         if emergency.frame(node_id) != frame:

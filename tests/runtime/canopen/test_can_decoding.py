@@ -12,7 +12,6 @@ from sdo_line import LOST, ONCE, Values, line
 from rtgen.compiler.diagnostics import InputError
 from rtgen.runtime.canopen.wire.frames import Frame
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, command_frame
-from rtgen.runtime.canopen.wire.sync import time_frame
 from rtgen.tools.can.decoding.decoder import Decoded, Decoder
 from rtgen.tools.can.decoding.node_index import NodeIndex, number_of, read_node_index
 from rtgen.tools.can.decoding.sdo_decoding import MAX_VALUE, SdoFollower
@@ -114,8 +113,8 @@ def test_codes_and_nodes_for_machines(linked: NodeIndex) -> None:
     )
     command = Decoder(linked).decode(command_frame(NmtCommand.STOP)).to_json()
     assert (command["node"], command["text"]) == (0, "stop")
-    moment = 1_700_000_000_123_000_000
-    message = Decoder(linked).decode(time_frame(moment))
+    time = Frame(0x100, bytes.fromhex("7bb4c404e238"))
+    message = Decoder(linked).decode(time)
     assert message.text == "2023-11-14T22:13:20.123Z"
 
 

@@ -13,7 +13,6 @@ from rtgen.runtime.canopen.wire.frames import MILLISECOND, Frame
 from rtgen.runtime.canopen.wire.heartbeat import HeartbeatNews
 from rtgen.runtime.canopen.wire.nmt import NmtCommand, NmtState, Transition
 from rtgen.runtime.canopen.wire.sdo import SdoAbort
-from rtgen.runtime.canopen.wire.sync import time_frame
 
 HEARTBEAT = 0x700 + NODE_ID
 EMERGENCY = 0x80 + NODE_ID
@@ -371,7 +370,8 @@ def test_time(consumer: bool) -> None:
     assert bench.refusal(0x1012, 0, 0x80000601) == sdo.VALUE_INVALID
     now = 1_700_000_000 * 10**9
     assert (0x100 in bench.node.identifiers) == consumer
-    bench.note(bench.node.receive(time_frame(now), 0))
+    time = Frame(0x100, bytes.fromhex("00b4c404e238"))
+    bench.note(bench.node.receive(time, 0))
     bench.give(0x100, bytes(5))
     assert moments == ([now] if consumer else [])
 

@@ -14,9 +14,11 @@ from rtgen.runtime.corba.faults import caught, is_inactive, is_lost, is_unsent
 from rtgen.runtime.corba.naming import Naming, is_alive
 from rtgen.runtime.corba.objects import Objects, Remote, signatures
 from rtgen.runtime.errors import PortTypeError, TransportError
-from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.services.ports import Consumer, ServicePort
-from rtgen.runtime.services.remote_connectors import RemoteServiceConnector
+from rtgen.runtime.services.remote_connectors import (
+    RemoteServiceConnector,
+    fitting_provider,
+)
 from rtgen.runtime.services.servants import (
     CommunicationFailure,
     ObjectNotExist,
@@ -39,7 +41,7 @@ class RemoteProvider(msgspec.Struct, eq=False):
     _naming: Naming
     consumer: Consumer[Any]
     port: RemotePort
-    _selected: str | None
+    selected: str | None
     alone: bool
     _remote: Remote | None = None
     _looking: threading.Lock = msgspec.field(default_factory=threading.Lock)
@@ -141,40 +143,7 @@ class RemoteProvider(msgspec.Struct, eq=False):
         found = {name: r for name, r in served.items() if is_alive(r)}
         if not found:
             return None
-        chosen = self._chosen(found)
-        if chosen is None:
-            raise PortTypeError(
-                f"{self.port} has no provider for {self.consumer}, which requires "
-                f"{self._wanted.repository_id}; it has: {', '.join(found)}"
-            )
-        offered = signatures(chosen)
-        missing = (
-            []
-            if offered is None
-            else [s for s in self._wanted.operations if s not in offered]
-        )
-        if missing:
-            raise PortTypeError(
-                f"{self.consumer} and {self.port} were generated from different definitions "
-                f"of {self._wanted.name}; the provider has no {', '.join(missing)}"
-            )
-        return chosen
-
-    def _chosen(self, found: Mapping[str, Any]) -> Any:
-        """Return the provider selected by property, else by name and type, else the only one."""
-        identity = self._wanted.repository_id
-        name = self.consumer.instance if self._selected is None else self._selected
-        if name in found and found[name]._is_a(identity):
-            return found[name]
-        fitting = [
-            r for r in found.values() if self._selected is None and r._is_a(identity)
-        ]
-        return fitting[0] if self.alone and len(fitting) == 1 else None
-
-    @property
-    def _wanted(self) -> InterfaceDescriptor:
-        descriptor: InterfaceDescriptor = self.consumer.interface._descriptor_
-        return descriptor
+        return fitting_provider(self, found, lambda r, id_: r._is_a(id_), signatures)
 
 
 class RemoteConnector(RemoteServiceConnector[RemoteProvider]):

@@ -37,8 +37,8 @@ from rtgen.runtime.distribution.rpc_types import (
 from rtgen.runtime.distribution.workers import Workers
 from rtgen.runtime.errors import PortTypeError, TransportError
 from rtgen.runtime.failures import described, ends_run, log
-from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.services.ports import Consumer, Provider
+from rtgen.runtime.services.remote_connectors import fitting_provider
 from rtgen.runtime.services.servants import (
     CallTimeout,
     CommunicationFailure,
@@ -146,7 +146,7 @@ class RemoteProvider(msgspec.Struct, eq=False):
     _timeout: float
     consumer: Consumer[Any]
     port: RemotePort
-    _selected: str | None
+    selected: str | None
     alone: bool
     _calls: RemoteCalls | None = None
     _chosen: str | None = None
@@ -207,36 +207,6 @@ class RemoteProvider(msgspec.Struct, eq=False):
         }
         if not providers:
             return None
-        interface = self._interface_type
-        chosen = self._fitting(providers, interface.repository_id)
-        if chosen is None:
-            raise PortTypeError(
-                f"{self.port} has no provider for {self.consumer}, which requires "
-                f"{interface.repository_id}; it has: {', '.join(providers)}"
-            )
-        missing = [s for s in interface.operations if s not in chosen.operations]
-        if missing:
-            raise PortTypeError(
-                f"{self.consumer} and {self.port} were generated from different definitions "
-                f"of {interface.name}; the provider has no {', '.join(missing)}"
-            )
-        return chosen
-
-    def _fitting(
-        self, providers: dict[str, Interface], identity: str
-    ) -> Interface | None:
-        """Return the provider selected by a property, by equal type and name, or the only one."""
-        name = self.consumer.instance if self._selected is None else self._selected
-        if name in providers and identity in providers[name].lineage:
-            return providers[name]
-        fitting = [
-            each
-            for each in providers.values()
-            if self._selected is None and identity in each.lineage
-        ]
-        return fitting[0] if self.alone and len(fitting) == 1 else None
-
-    @property
-    def _interface_type(self) -> InterfaceDescriptor:
-        descriptor: InterfaceDescriptor = self.consumer.interface._descriptor_
-        return descriptor
+        return fitting_provider(
+            self, providers, lambda p, id_: id_ in p.lineage, lambda p: p.operations
+        )

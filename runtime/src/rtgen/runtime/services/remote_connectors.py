@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Collection, Mapping
 from typing import Any, Generic, Protocol, TypeVar
 
 from rtgen.runtime.errors import (
@@ -12,6 +12,7 @@ from rtgen.runtime.errors import (
     PortTypeError,
     TransportError,
 )
+from rtgen.runtime.marshalling.descriptors import InterfaceDescriptor
 from rtgen.runtime.services.connectors import end, read_properties
 from rtgen.runtime.services.ports import Carrier, Consumer, ServicePort
 from rtgen.runtime.services.transports import RemotePort
@@ -23,12 +24,54 @@ class FoundProvider(Carrier, Protocol):
     """The provider in another process that a consumer is connected to."""
 
     consumer: Consumer[Any]
+    port: RemotePort
+    selected: str | None
+    """The instance name that a property selects."""
+    alone: bool
+    """Whether the consumer is the only one of its interface."""
 
     def find(self) -> bool:
         """Look the provider up; return whether it exists. Raises TransportError, PortTypeError."""
 
 
 P = TypeVar("P", bound=FoundProvider)
+_O = TypeVar("_O")
+
+
+def fitting_provider(
+    provider: FoundProvider,
+    offers: Mapping[str, _O],
+    has_interface: Callable[[_O, str], bool],
+    operations_of: Callable[[_O], Collection[str] | None],
+) -> _O:
+    """Return the offer of a port that is selected by property, else by name and type, else alone.
+
+    `has_interface` says whether an offer has the interface of a repository id, `operations_of` the
+    signatures of its operations, None if they are not known. Raises PortTypeError.
+    """
+    consumer, port, selected = provider.consumer, provider.port, provider.selected
+    wanted: InterfaceDescriptor = consumer.interface._descriptor_
+    identity = wanted.repository_id
+    name = consumer.instance if selected is None else selected
+    if name in offers and has_interface(offers[name], identity):
+        fitting = [offers[name]]
+    else:
+        others = offers.values() if selected is None else ()
+        fitting = [each for each in others if has_interface(each, identity)]
+        fitting = fitting if provider.alone and len(fitting) == 1 else []
+    if not fitting:
+        raise PortTypeError(
+            f"{port} has no provider for {consumer}, which requires {identity}; "
+            f"it has: {', '.join(offers)}"
+        )
+    known = operations_of(fitting[0])
+    missing = [] if known is None else [s for s in wanted.operations if s not in known]
+    if missing:
+        raise PortTypeError(
+            f"{consumer} and {port} were generated from different definitions "
+            f"of {wanted.name}; the provider has no {', '.join(missing)}"
+        )
+    return fitting[0]
 
 
 class RemoteServiceConnector(Generic[P]):

@@ -8,7 +8,7 @@ from __future__ import annotations
 import logging
 import os
 from collections.abc import Callable
-from typing import TYPE_CHECKING, Final, TypeAlias
+from typing import TYPE_CHECKING, Final, TypeAlias, TypeVar
 
 import msgspec
 
@@ -22,6 +22,7 @@ if TYPE_CHECKING:
 
     from rtgen.runtime.canopen.bus.socketcand_bus import SocketcandBus
 
+_T = TypeVar("_T")
 Option: TypeAlias = bool | int | float | str
 
 Event: TypeAlias = Frame | bool | None
@@ -127,20 +128,7 @@ class OpenBus:
 
     def receive_some(self, timeout: float, most: int) -> list[can.Message]:
         """Like `receive`, but return up to `most` messages that are already available."""
-        import can
-
-        messages: list[can.Message] = []
-        try:
-            message = self.bus.recv(timeout)
-            while message is not None:
-                messages.append(message)
-                if len(messages) >= most:
-                    break
-                message = self.bus.recv(0)
-        except (can.CanError, OSError, ValueError, LookupError) as error:
-            if not messages:
-                raise LinkError(f"{self._address}: {_reason(error)}") from error
-        return messages
+        return self._available(self.bus.recv, timeout, most)
 
     def receive_events(self, timeout: float, most: int) -> list[Event]:
         """Like `receive_some`, but return only what is relevant to a link."""
@@ -148,19 +136,28 @@ class OpenBus:
             return [
                 self._event(message) for message in self.receive_some(timeout, most)
             ]
-        events: list[Event] = []
+        received = self._available(self._hub.receive, timeout, most)
+        return [
+            event if isinstance(event, Frame) else _bus_off(event)
+            for event, _ in received
+        ]
+
+    def _available(
+        self, receive: Callable[[float], _T | None], timeout: float, most: int
+    ) -> list[_T]:
+        """Return what comes within the time-out, and up to `most` that has come. As `receive`."""
+        items: list[_T] = []
         try:
-            received = self._hub.receive(timeout)
-            while received is not None:
-                event = received[0]
-                events.append(event if isinstance(event, Frame) else _bus_off(event))
-                if len(events) >= most:
+            item = receive(timeout)
+            while item is not None:
+                items.append(item)
+                if len(items) >= most:
                     break
-                received = self._hub.receive(0)
-        except self._errors as error:
-            if not events:
+                item = receive(0)
+        except (*self._errors, LookupError) as error:
+            if not items:
                 raise LinkError(f"{self._address}: {_reason(error)}") from error
-        return events
+        return items
 
     @property
     def descriptor(self) -> int | None:

@@ -11,7 +11,6 @@ import msgspec
 from rtgen.runtime.canopen.wire.frames import (
     EMERGENCY,
     MAX_DATA,
-    MAX_NODE_ID,
     Frame,
     checked_node_id,
 )
@@ -155,12 +154,3 @@ def emergency_in(frame: Frame) -> Emergency | None:
         return None
     code = int.from_bytes(data[:2], "little")
     return Emergency(code, ErrorRegister(data[2]), data[3:])
-
-
-def decode_emergency(frame: Frame) -> tuple[int, Emergency] | None:
-    """Return the node-id and the message in a frame with a predefined identifier, or None."""
-    node_id = frame.can_id - EMERGENCY
-    if not 1 <= node_id <= MAX_NODE_ID or frame.extended:
-        return None
-    emergency = emergency_in(frame)
-    return None if emergency is None else (node_id, emergency)

@@ -5,9 +5,7 @@ from __future__ import annotations
 from typing import Final
 
 from rtgen.facts.canopen import (
-    DAY,
     EPOCH,
-    MAX_DAYS,
     MILLISECOND,
     SYNC,
     TIME,
@@ -68,17 +66,6 @@ def sync_counter(frame: Frame) -> int | None:
     if len(frame.data) > 1:
         return None
     return frame.data[0] if frame.data else 0
-
-
-def time_frame(now: int) -> Frame:
-    """Return the TIME message for a time in ns of UTC since 1970.
-
-    Raises ValueError outside of 1984 to 2163.
-    """
-    days, milliseconds = divmod(now // MILLISECOND - EPOCH, DAY)
-    if not 0 <= days <= MAX_DAYS:
-        raise ValueError("TIME goes from 1984 on, for 65536 days")
-    return Frame(TIME, milliseconds.to_bytes(4, "little") + days.to_bytes(2, "little"))
 
 
 def decode_time(frame: Frame) -> int | None:
