@@ -229,14 +229,11 @@ def _members(
     model: Model, struct: ScopedName, path: tuple[str, ...]
 ) -> Iterator[tuple[Struct, Member]]:
     """Yield the members of a path, each with the struct that declares it."""
-    declaration = model.find(struct)
-    assert isinstance(declaration, Struct)
+    declared = model.find(struct)
+    assert isinstance(declared, Struct)
     name, *rest = path
-    member = next((m for m in declaration.members if m.name == name), None)
-    if member is None:
-        assert declaration.base is not None
-        yield from _members(model, declaration.base, path)
-        return
+    own = ((d, m) for d in model.lineage(declared) for m in d.members)
+    declaration, member = next(pair for pair in own if pair[1].name == name)
     yield declaration, member
     if rest:
         type_ = model.unalias(member.type)

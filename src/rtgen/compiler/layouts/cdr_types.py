@@ -279,9 +279,5 @@ def enum_code(declaration: Enum) -> str:
 
 def bit_count(model: Model, bitset: Bitset) -> int:
     """Return the number of bits of a bitset, including its bases."""
-    count = sum(field.bits for field in bitset.members)
-    if bitset.base is not None:
-        base = model.find(bitset.base)
-        assert isinstance(base, Bitset)
-        count += bit_count(model, base)
-    return count
+    levels = model.lineage(bitset)
+    return sum(field.bits for each in levels for field in each.members)

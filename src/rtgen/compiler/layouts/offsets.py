@@ -117,12 +117,7 @@ class _Measure:
         return offset
 
     def _all(self, struct: Struct) -> Iterator[tuple[Struct, Member]]:
-        bases = [struct]
-        while (base := bases[-1].base) is not None:
-            declaration = self._model.find(base)
-            assert isinstance(declaration, Struct)
-            bases.append(declaration)
-        for each in reversed(bases):
+        for each in self._model.lineage(struct):
             for member in each.members:
                 yield each, member
 
@@ -165,7 +160,7 @@ class _Measure:
             case Struct() | Union() as holder if self.begin(holder, 0) != 0:
                 return _HEADER
             case Struct() as struct:
-                first = next((member for _, member in self._all(struct)), None)
+                first = next(iter(self._model.members(struct)), None)
                 if first is None:
                     return 1
                 if first.optional:
@@ -234,7 +229,7 @@ class _Measure:
                 return start + _octets(bit_count(self._model, bitset))
             case Struct() as struct:
                 offset = self.begin(struct, start)
-                for _, member in self._all(struct):
+                for member in self._model.members(struct):
                     if offset is None or member.optional or member.external:
                         return None
                     offset = self._after(offset, member.type)

@@ -7,7 +7,6 @@ from typing import Any, Final
 
 from rtgen.compiler.model import (
     ArrayType,
-    Member,
     Model,
     NamedType,
     PrimitiveType,
@@ -86,7 +85,7 @@ def _collect(model: Model, struct: Struct, structs: dict[str, Struct]) -> None:
 
 
 def _nested(model: Model, struct: Struct) -> Iterator[Struct]:
-    for member in _members(model, struct):
+    for member in model.members(struct):
         type_ = _plain(model, member.type)
         if isinstance(type_, SequenceType | ArrayType):
             type_ = _plain(model, type_.element)
@@ -94,15 +93,6 @@ def _nested(model: Model, struct: Struct) -> Iterator[Struct]:
             declaration = model.find(type_.name)
             if isinstance(declaration, Struct):
                 yield declaration
-
-
-def _members(model: Model, struct: Struct) -> list[Member]:
-    """Return the members of a struct, those of its bases first."""
-    if struct.base is None:
-        return [*struct.members]
-    base = model.find(struct.base)
-    assert isinstance(base, Struct), "the front end saw to it"
-    return [*_members(model, base), *struct.members]
 
 
 def _plain(model: Model, type_: Type) -> Type:
@@ -113,7 +103,7 @@ def _plain(model: Model, type_: Type) -> Type:
 
 
 def _individual(model: Model, struct: Struct) -> dict[str, Any]:
-    fields = [(m.name, m.type) for m in _members(model, struct)]
+    fields = [(m.name, m.type) for m in model.members(struct)]
     return _description(model, struct.name, fields)
 
 

@@ -86,10 +86,7 @@ def _is_any(context: Context, type_: Type) -> bool:
 def times_of_ports(context: Context) -> Iterator[Diagnostic]:
     """Report data ports of RT components without a time stamp."""
     for _, port in _ports(context):
-        plain = context.model.unalias(port.type)
-        struct = (
-            context.model.find(plain.name) if isinstance(plain, NamedType) else None
-        )
+        struct = context.model.declared(port.type)
         if not isinstance(struct, Struct) or _has_time(context, struct):
             continue
         if is_interface(struct.name):
@@ -103,13 +100,9 @@ def times_of_ports(context: Context) -> Iterator[Diagnostic]:
 
 
 def _has_time(context: Context, struct: Struct) -> bool:
-    for member in struct.members:
-        plain = context.model.unalias(member.type)
-        is_time = isinstance(plain, NamedType) and plain.name[-1] == "Time"
-        if member.name == "tm" and is_time:
-            return True
-    base = context.model.find(struct.base) if struct.base else None
-    return isinstance(base, Struct) and _has_time(context, base)
+    stamps = (m.type for m in context.model.members(struct) if m.name == "tm")
+    declared = map(context.model.declared, stamps)
+    return any(each is not None and each.name[-1] == "Time" for each in declared)
 
 
 def unbounded(context: Context) -> Iterator[Diagnostic]:
@@ -182,8 +175,7 @@ def missing_enumerators(context: Context) -> Iterator[Diagnostic]:
     for declaration in context.declarations:
         if not isinstance(declaration, Union):
             continue
-        plain = context.model.unalias(declaration.switch)
-        enum = context.model.find(plain.name) if isinstance(plain, NamedType) else None
+        enum = context.model.declared(declaration.switch)
         if not isinstance(enum, Enum) or any(c.default for c in declaration.cases):
             continue
         listed = {

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Iterator, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from typing import Final
@@ -166,14 +166,14 @@ class _Maker:
                     raise self._error(ADAPTER_VALUE, message)
             copies[to_path] = from_path
         targets = {path[0] for path in copies}
-        theirs = {member.name: self._kind(member) for member in self._members(source)}
-        for member in self._members(target):
+        theirs = {m.name: self._kind(m) for m in self.model.members(source)}
+        for member in self.model.members(target):
             name = member.name
             if name not in targets and theirs.get(name) == self._kind(member):
                 copies[(name,)] = (name,)
         for path in entry.units:
             self._split(copies, target, tuple(path.split(".")))
-        order = [member.name for member in self._members(target)]
+        order = [member.name for member in self.model.members(target)]
         return Adapter(
             name=entry.name,
             source=source.name,
@@ -225,11 +225,10 @@ class _Maker:
         if prefix is None:
             raise self._error(ADAPTER_VALUE, f"nothing fills {'.'.join(path)!r}")
         while prefix != path:
-            from_, inner = copies.pop(prefix), self._type(target, prefix)
-            assert isinstance(inner, NamedType)
-            struct = self.model.find(inner.name)
+            from_, type_ = copies.pop(prefix), self._type(target, prefix)
+            struct = self.model.declared(type_)
             assert isinstance(struct, Struct)
-            for member in self._members(struct):
+            for member in self.model.members(struct):
                 copies[*prefix, member.name] = (*from_, member.name)
             prefix = path[: len(prefix) + 1]
 
@@ -311,12 +310,10 @@ class _Maker:
         """Return a member's unit: that of `@unit`, or the only one in its comment."""
         *outer, name = path
         if outer:
-            inner = self._type(struct, tuple(outer))
-            assert isinstance(inner, NamedType)
-            declaration = self.model.find(inner.name)
-            assert isinstance(declaration, Struct)
-            struct = declaration
-        return unit_of(next(m for m in self._members(struct) if m.name == name))
+            inner = self.model.declared(self._type(struct, tuple(outer)))
+            assert isinstance(inner, Struct)
+            struct = inner
+        return unit_of(next(m for m in self.model.members(struct) if m.name == name))
 
     def _struct(self, scoped: str) -> Struct:
         name = tuple(scoped.removeprefix("::").split("::"))
@@ -332,20 +329,12 @@ class _Maker:
         hint = _include(name) or (f"did you mean {meant!r}?" if meant else None)
         raise self._error(ADAPTER_TYPE, f"no struct {scoped!r}", hint)
 
-    def _members(self, struct: Struct) -> Iterator[Member]:
-        """Yield the members of a struct, inherited ones first."""
-        if struct.base is not None:
-            base = self.model.find(struct.base)
-            assert isinstance(base, Struct)
-            yield from self._members(base)
-        yield from struct.members
-
     def _kind(self, member: Member) -> tuple[Type, bool]:
         return self.model.unalias(member.type), member.optional
 
     def _type(self, struct: Struct, path: tuple[str, ...]) -> Type:
         """Return the type at the end of a path of member names."""
-        members = {member.name: member for member in self._members(struct)}
+        members = {member.name: member for member in self.model.members(struct)}
         name, *rest = path
         if name not in members:
             from difflib import get_close_matches
@@ -359,7 +348,7 @@ class _Maker:
             raise self._error(ADAPTER_VALUE, f"{name!r} is optional")
         if not rest:
             return type_
-        inner = self.model.find(type_.name) if isinstance(type_, NamedType) else None
+        inner = self.model.declared(type_)
         if not isinstance(inner, Struct):
             message = f"{name!r} of {struct.scoped} is not a struct"
             raise self._error(ADAPTER_MEMBER, message)

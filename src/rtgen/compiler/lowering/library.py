@@ -8,7 +8,7 @@ representation, or if it replaces a file that the file includes.
 from __future__ import annotations
 
 import json
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable
 from hashlib import sha256
 from typing import Any, Final
 
@@ -25,8 +25,8 @@ from rtgen.compiler.model import (
     Model,
     NamedType,
     Native,
-    SourceFile,
 )
+from rtgen.compiler.model.graphs import reached
 
 PACKAGE: Final = "rtgen.runtime.library"
 """The package of the runtime with the types."""
@@ -114,7 +114,7 @@ def _known_to_user(model: Model) -> set[str]:
     shipped = set(map(idl_key, IDL_FILES))
     files = {file.name: file for file in model.files}
     own = {n for n, f in files.items() if not f.module and f.key not in shipped}
-    seen = set(_reached(files, own))
+    seen = reached(own, lambda name: files[name].includes if name in files else ())
     names: set[str] = set()
     for declaration in model.declarations:
         if declaration.file in seen and len(declaration.name) > 1:
@@ -123,15 +123,3 @@ def _known_to_user(model: Model) -> set[str]:
             types = (model.unalias(port.type) for port in declaration.ports)
             names.update(each.name[0] for each in types if isinstance(each, NamedType))
     return names
-
-
-def _reached(files: dict[str, SourceFile], names: Iterable[str]) -> Iterator[str]:
-    """Yield files, and those that they include directly or indirectly."""
-    seen: set[str] = set()
-    waiting = list(names)
-    while waiting:
-        name = waiting.pop()
-        if name in files and name not in seen:
-            seen.add(name)
-            yield name
-            waiting += files[name].includes

@@ -151,21 +151,13 @@ class _Forms:
             case NamedType(name):
                 struct = self._model.find(name)
                 if isinstance(struct, Struct) and depth < _MAX_DEPTH:
-                    members = self._members(struct)
+                    members = self._model.members(struct)
                     if not self._is_final(struct) or any(m.optional for m in members):
                         yield 0
                     for member in members:
                         yield from self._alignments(member.type, depth + 1)
                     return
         yield 0
-
-    def _members(self, struct: Struct) -> tuple[Member, ...]:
-        inherited: tuple[Member, ...] = ()
-        if struct.base is not None:
-            base = self._model.find(struct.base)
-            assert isinstance(base, Struct)
-            inherited = self._members(base)
-        return inherited + struct.members
 
     def _is_final(self, struct: Struct) -> bool:
         written = any(a.name in ("final", "extensibility") for a in struct.annotations)

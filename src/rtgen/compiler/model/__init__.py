@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, TypeVar
 
 import msgspec
 
@@ -70,6 +70,8 @@ if TYPE_CHECKING:  # imported lazily: many classes, which most commands do not n
     from rtgen.compiler.model.canopen import Device
     from rtgen.compiler.model.rtc_profile import RtcProfile
     from rtgen.compiler.model.tecs import TecsUnit
+
+_Derived = TypeVar("_Derived", Struct, Bitset)
 
 __all__ = [
     "VOID",
@@ -178,6 +180,24 @@ class Model(msgspec.Struct, frozen=True, dict=True):
     def find(self, name: ScopedName) -> Declaration:
         """Find a declaration by scoped name. Raises KeyError."""
         return self._by_name[name]
+
+    def declared(self, type_: Type) -> Declaration | None:
+        """Return what a type names, with typedefs resolved; None for types without a name."""
+        plain = self.unalias(type_)
+        return self._by_name[plain.name] if isinstance(plain, NamedType) else None
+
+    def lineage(self, derived: _Derived) -> list[_Derived]:
+        """Return a struct or bitset after its bases."""
+        line = [derived]
+        while (name := line[0].base) is not None:
+            base = self._by_name[name]
+            assert isinstance(base, type(derived)), "the front end saw to it"
+            line.insert(0, base)
+        return line
+
+    def members(self, struct: Struct) -> list[Member]:
+        """Return the members of a struct, inherited ones first."""
+        return [member for each in self.lineage(struct) for member in each.members]
 
     def bases(self, declaration: Interface | Valuetype) -> list[Interface | Valuetype]:
         """Return all direct and indirect bases, each once and after its own bases."""

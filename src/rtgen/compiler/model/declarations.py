@@ -216,6 +216,16 @@ class Operation(Documented, frozen=True, kw_only=True):
     context: tuple[str, ...] = ()
     repository_id: str = ""
 
+    @property
+    def arguments(self) -> list[Parameter]:
+        """The parameters that a caller passes: `in` and `inout`."""
+        return [p for p in self.parameters if p.direction is not Direction.OUT]
+
+    @property
+    def results(self) -> list[Parameter]:
+        """The parameters that a caller gets: `inout` and `out`."""
+        return [p for p in self.parameters if p.direction is not Direction.IN]
+
 
 class Attribute(Documented, frozen=True, kw_only=True):
     """An attribute of an interface or component."""

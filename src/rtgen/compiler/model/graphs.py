@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Collection, Hashable, Iterable, Iterator, Mapping
+from collections.abc import Callable, Collection, Hashable, Iterable, Iterator, Mapping
 from typing import TypeVar
 
 Node = TypeVar("Node", bound=Hashable)
@@ -63,11 +63,18 @@ def leading_to(
     for node, others in edges.items():
         for other in others:
             users.setdefault(other, []).append(node)
-    nodes = set(targets)
-    waiting = list(nodes)
+    return reached(targets, lambda node: users.get(node, ()))
+
+
+def reached(
+    start: Iterable[Node], following: Callable[[Node], Iterable[Node]]
+) -> set[Node]:
+    """Return nodes, and all that are reachable from them."""
+    nodes: set[Node] = set()
+    waiting = list(start)
     while waiting:
-        for user in users.get(waiting.pop(), ()):
-            if user not in nodes:
-                nodes.add(user)
-                waiting.append(user)
+        node = waiting.pop()
+        if node not in nodes:
+            nodes.add(node)
+            waiting += following(node)
     return nodes

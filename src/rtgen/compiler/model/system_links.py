@@ -16,7 +16,6 @@ from rtgen.compiler.model.components import (
     System,
 )
 from rtgen.compiler.model.declarations import Interface
-from rtgen.compiler.model.types import NamedType
 
 if TYPE_CHECKING:
     from rtgen.compiler.model import Model
@@ -110,10 +109,8 @@ def interfaces(end: PortReference, ends: Mapping[str, Known]) -> list[Port]:
 
 def _serves(model: Model, provider: Port, consumer: Port) -> bool:
     """Return whether the provider's interface is, or derives from, the consumer's."""
-    type_ = model.unalias(provider.type)
-    served = [type_]
-    if isinstance(type_, NamedType):
-        declaration = model.find(type_.name)
-        if isinstance(declaration, Interface):
-            served += [NamedType(base.name) for base in model.bases(declaration)]
-    return str(consumer.type) in map(str, served)
+    served = [str(model.unalias(provider.type))]
+    declaration = model.declared(provider.type)
+    if isinstance(declaration, Interface):
+        served += [base.scoped for base in model.bases(declaration)]
+    return str(consumer.type) in served

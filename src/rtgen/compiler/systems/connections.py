@@ -15,7 +15,6 @@ from rtgen.compiler.frontends.kit.suggestions import guess
 from rtgen.compiler.model import (
     Connection,
     Model,
-    NamedType,
     Port,
     PortKind,
     PortReference,
@@ -319,17 +318,13 @@ def _unknown_port(
 
 
 def _repository_id(model: Model, port: Port) -> str:
-    type_ = model.unalias(port.type)
-    if isinstance(type_, NamedType):
-        return model.find(type_.name).repository_id
-    return str(type_)
+    declared = model.declared(port.type)
+    return str(model.unalias(port.type)) if declared is None else declared.repository_id
 
 
 def _is_opaque(model: Model, port: Port) -> bool:
-    type_ = model.unalias(port.type)
-    return isinstance(type_, NamedType) and any(
-        annotation.name == OPAQUE for annotation in model.find(type_.name).annotations
-    )
+    declared = model.declared(port.type)
+    return declared is not None and declared.annotation(OPAQUE) is not None
 
 
 def _service(connection: Connection, ends: Mapping[str, Known]) -> Iterator[Diagnostic]:

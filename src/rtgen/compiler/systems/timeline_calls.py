@@ -11,7 +11,6 @@ from rtgen.compiler.model import (
     Interface,
     Member,
     Model,
-    NamedType,
     Operation,
     Port,
     PortKind,
@@ -64,8 +63,7 @@ def _names(port: Port) -> Sequence[str]:
 
 def _declared(model: Model, port: Port) -> Sequence[Operation] | None:
     """Return the operations of an interface and its bases; None if it is not defined."""
-    type_ = model.unalias(port.type)
-    interface = model.find(type_.name) if isinstance(type_, NamedType) else None
+    interface = model.declared(port.type)
     if not isinstance(interface, Interface) or interface.forward:
         return None
     lines = (interface, *model.bases(interface))

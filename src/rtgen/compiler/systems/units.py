@@ -191,8 +191,7 @@ def _integers(port: Port, model: Model) -> list[Leaf]:
 
 
 def _members(port: Port, model: Model) -> Iterator[Leaf]:
-    type_ = model.unalias(port.type)
-    struct = model.find(type_.name) if isinstance(type_, NamedType) else None
+    struct = model.declared(port.type)
     return leaves(model, struct) if isinstance(struct, Struct) else iter(())
 
 

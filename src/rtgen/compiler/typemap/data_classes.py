@@ -139,7 +139,7 @@ class Types:
                     declaration.extensibility,
                     declaration.nested,
                 )
-                inherited = self._inherited(declaration)
+                inherited = self._model.members(declaration)
                 fields = zip(described.members, inherited, strict=True)
                 _class(Aggregated, described, [self._field(*field) for field in fields])
                 return described
@@ -177,16 +177,6 @@ class Types:
                 )
         raise NoTypeError(f"{name} is not a type of data")
 
-    def _inherited(self, struct: Struct) -> list[Member]:
-        """Return the members, inherited ones first."""
-        members: list[Member] = []
-        at: Struct | None = struct
-        while at is not None:
-            members = [*at.members, *members]
-            base = None if at.base is None else self._model.find(at.base)
-            at = base if isinstance(base, Struct) else None
-        return members
-
     def _field(self, described: MemberDescriptor, member: Member) -> _Field:
         """Return the field of a member, with the value that it starts with."""
         type_ = described.type
@@ -204,7 +194,8 @@ class Types:
         return [("discriminator", lambda: label), ("value", value)]
 
     def _bit_fields(self, bitset: Bitset, described: BitsetDescriptor) -> list[_Field]:
-        named = [f for level in self._levels(bitset) for f in level.members if f.name]
+        levels = self._model.lineage(bitset)
+        named = [f for level in levels for f in level.members if f.name]
         return [
             (entry.attribute, partial(int, field.initial or 0))
             for entry, field in zip(described.fields, named, strict=True)
@@ -222,7 +213,7 @@ class Types:
                 member.must_understand,
                 member.external,
             )
-            for number, member in enumerate(self._inherited(struct))
+            for number, member in enumerate(self._model.members(struct))
         )
 
     def _branch(self, switch: Descriptor, number: int, case: Case) -> BranchDescriptor:
@@ -238,18 +229,8 @@ class Types:
             initial=_initial(type_, case.initial),
         )
 
-    def _levels(self, declaration: Bitset) -> list[Bitset]:
-        """Return a bitset after its bases."""
-        levels = [declaration]
-        while (base := levels[0].base) is not None:
-            parent = self._model.find(base)
-            if not isinstance(parent, Bitset):
-                break
-            levels.insert(0, parent)
-        return levels
-
     def _bitset(self, declaration: Bitset, name: str) -> BitsetDescriptor:
-        levels = self._levels(declaration)
+        levels = self._model.lineage(declaration)
         position = 0
         fields: list[BitfieldDescriptor] = []
         for field in (field for level in levels for field in level.members):

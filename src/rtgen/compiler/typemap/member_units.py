@@ -10,7 +10,6 @@ from rtgen.compiler.model import (
     ArrayType,
     Documented,
     Model,
-    NamedType,
     Operation,
     PrimitiveType,
     SequenceType,
@@ -93,15 +92,13 @@ def leaves(
     model: Model, struct: Struct, path: tuple[str, ...] = (), *, optional: bool = False
 ) -> Iterator[Leaf]:
     """Yield the members of a struct and of the structs in it, inherited ones first."""
-    if struct.base is not None and isinstance(base := model.find(struct.base), Struct):
-        yield from leaves(model, base, path, optional=optional)
-    for member in struct.members:
-        type_ = model.unalias(member.type)
-        inner = model.find(type_.name) if isinstance(type_, NamedType) else None
+    for member in model.members(struct):
+        inner = model.declared(member.type)
         absent = optional or member.optional
         if isinstance(inner, Struct):
             yield from leaves(model, inner, (*path, member.name), optional=absent)
         else:
+            type_ = model.unalias(member.type)
             yield Leaf((*path, member.name), type_, unit_of(member), absent)
 
 

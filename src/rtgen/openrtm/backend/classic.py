@@ -82,12 +82,11 @@ class Classic:
 
     def members(self, struct: Struct) -> list[tuple[Struct, int]]:
         """Return the members including inherited ones, each with its struct and index in it."""
-        all_members: list[tuple[Struct, int]] = []
-        if struct.base is not None:
-            base = self._model.find(struct.base)
-            assert isinstance(base, Struct)
-            all_members = self.members(base)
-        return all_members + [(struct, place) for place in range(len(struct.members))]
+        return [
+            (each, place)
+            for each in self._model.lineage(struct)
+            for place in range(len(each.members))
+        ]
 
     def _problems(self, declaration: Declaration) -> Iterator[str]:
         if declaration.annotation(OPAQUE) is not None:

@@ -24,12 +24,12 @@ from rtgen.compiler.model import (
     Declaration,
     Home,
     Model,
-    NamedType,
     Port,
     PortKind,
     ScopedName,
     SourceFile,
 )
+from rtgen.compiler.model.graphs import reached
 from rtgen.compiler.typemap.openrtm_ports import (
     OPENRTM_NAME,
     chosen_name,
@@ -133,14 +133,9 @@ class Unit:
     def closure(self, names: Iterable[ScopedName]) -> tuple[IdlFile, ...]:
         """Return the files for types and interfaces of these names, each after its dependencies."""
         modules = implementation_modules(self.model)
-        waiting = [modules[self.model.find(name).file] for name in names]
-        file_names: set[str] = set()
-        while waiting:
-            module = waiting.pop()
-            if module not in file_names:
-                file_names.add(module)
-                waiting += self._needs[module]
-        return tuple(each for each in self.idl_files if each.module in file_names)
+        own = [modules[self.model.find(name).file] for name in names]
+        needed = reached(own, self._needs.__getitem__)
+        return tuple(each for each in self.idl_files if each.module in needed)
 
     @cached_property
     def _needs(self) -> dict[str, set[str]]:
@@ -336,9 +331,8 @@ def _plan(unit: Unit, component: Component) -> ComponentPlan:
     data: dict[PortKind, list[DataPort]] = {PortKind.INPORT: [], PortKind.OUTPORT: []}
     services: dict[tuple[str, str], list[ServiceInterface]] = {}
     for port, attribute in attributes.ports:
-        type_ = unit.model.unalias(port.type)
-        assert isinstance(type_, NamedType), "checked before anything is emitted"
-        declaration = unit.model.find(type_.name)
+        declaration = unit.model.declared(port.type)
+        assert declaration is not None, "checked before anything is emitted"
         key = key_of(port)
         if port.kind in data:
             planned = DataPort(port, names[key], attribute, declaration)

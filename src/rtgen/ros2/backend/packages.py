@@ -169,8 +169,8 @@ class _Writer:
 
     def _service(self, interface: Interface, operation: Operation) -> None:
         name = (*interface.name[:-1], f"{interface.name[-1]}_{operation.name}")
-        arguments = [_member(p) for p in operation.parameters if p.direction != "out"]
-        results = [_member(p) for p in operation.parameters if p.direction != "in"]
+        arguments = [*map(_member, operation.arguments)]
+        results = [*map(_member, operation.results)]
         if operation.returns != PrimitiveType(Primitive.VOID):
             result = Member(span=operation.span, name=_RESULT, type=operation.returns)
             results.insert(0, result)
@@ -192,7 +192,7 @@ class _Writer:
         module = (*struct.name[:-1], f"{struct.name[-1]}_Constants")
         constants = self._constants.get(module, ())
         exact = is_interface(struct.name)
-        members = self._members(struct)
+        members = self._model.members(struct)
         return self._lines(members, constants, struct.doc, used, exact=exact)
 
     def _lines(
@@ -211,13 +211,6 @@ class _Writer:
             return self._has_message(name)
 
         return [*Lines(self._model, written, exact=exact).of(members, constants, doc)]
-
-    def _members(self, struct: Struct) -> list[Member]:
-        if struct.base is None:
-            return [*struct.members]
-        base = self._model.find(struct.base)
-        assert isinstance(base, Struct)
-        return [*self._members(base), *struct.members]
 
     def _add(
         self,

@@ -12,7 +12,6 @@ from rtgen.compiler.model import (
     InitialValue,
     Member,
     Model,
-    NamedType,
     ScopedName,
     Type,
 )
@@ -149,11 +148,7 @@ class Lines:
 
     def _enumerators(self, member: Member) -> Iterator[str]:
         plain = self._model.unalias(member.type)
-        element = getattr(plain, "element", plain)
-        plain = self._model.unalias(element)
-        if not isinstance(plain, NamedType):
-            return
-        declaration = self._model.find(plain.name)
+        declaration = self._model.declared(getattr(plain, "element", plain))
         if isinstance(declaration, Enum):
             for each in declaration.members:
                 name = _constant_name(

@@ -16,7 +16,6 @@ from rtgen.compiler.model import (
     ConfigurationParameter,
     Interface,
     Model,
-    NamedType,
     Port,
     PortKind,
     Struct,
@@ -241,8 +240,7 @@ def _ports(model: Model, component: Component) -> Iterator[Diagnostic]:
     named: dict[tuple[PortKind, str], Port] = {}
     offered: dict[tuple[PortKind, str, str], Port] = {}
     for port in component.ports:
-        type_ = model.unalias(port.type)
-        declaration = model.find(type_.name) if isinstance(type_, NamedType) else None
+        declaration = model.declared(port.type)
         if port.kind in _DATA_PORTS:
             if not isinstance(declaration, Struct | Union):
                 yield rules.DATA_TYPE.at(

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterator
 
 import msgspec
 
@@ -22,13 +22,10 @@ from rtgen.compiler.backends.kit.python_text import fit_text, header_comment
 from rtgen.compiler.backends.kit.quoting.python import docstring
 from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.model import (
-    VOID,
     Attribute,
     Component,
-    Direction,
     Interface,
     Model,
-    NamedType,
     Operation,
     Port,
     PortKind,
@@ -36,7 +33,7 @@ from rtgen.compiler.model import (
 )
 from rtgen.compiler.typemap.components.actions import skeleton_actions
 from rtgen.compiler.typemap.member_units import operation_text
-from rtgen.compiler.typemap.python.idl_names import PythonNames, distinct
+from rtgen.compiler.typemap.python.idl_names import PythonNames
 from rtgen.compiler.typemap.python.names import identifier
 
 
@@ -108,9 +105,7 @@ def _servant_name(attribute: str) -> str:
 
 def _interfaces(model: Model, port: Port) -> list[Interface | Valuetype]:
     """Return the interface of a port, after its bases."""
-    type_ = model.unalias(port.type)
-    assert isinstance(type_, NamedType), "checked before anything is emitted"
-    interface = model.find(type_.name)
+    interface = model.declared(port.type)
     assert isinstance(interface, Interface), "checked before anything is emitted"
     return [*model.bases(interface), interface]
 
@@ -148,26 +143,10 @@ def _attribute(imports: Imports, attribute: Attribute) -> _Attribute:
 
 
 def _operation(imports: Imports, operation: Operation) -> _Operation:
-    annotation = imports.mapping.annotation
-    names = distinct((p.name for p in operation.parameters), {"self"})
-    results = [] if operation.returns == VOID else [annotation(operation.returns)]
-    results += [
-        annotation(p.type) for p in operation.parameters if p.direction != Direction.IN
-    ]
-    arguments = (p for p in operation.parameters if p.direction != Direction.OUT)
+    result = imports.mapping.result(operation)
     return _Operation(
         name=identifier(operation.name),
-        parameters=(
-            "self",
-            *(f"{names[p.name]}: {annotation(p.type)}" for p in arguments),
-        ),
-        result=_result(results, imports.spell("", "tuple")),
+        parameters=imports.mapping.parameters(operation),
+        result=result,
         docstring=docstring(operation_text(operation), 8),
     )
-
-
-def _result(results: Sequence[str], tuple_: str) -> str:
-    """The result of an operation: nothing, a single value, or a tuple."""
-    if len(results) > 1:
-        return f"{tuple_}[{', '.join(results)}]"
-    return results[0] if results else "None"

@@ -87,12 +87,10 @@ def _check(model: Model, component: Component, limits: Limits) -> None:
     for port in component.ports:
         if port.kind not in _DATA:
             raise NoFormError(f"{port.name} is a service port")
-        type_ = model.unalias(port.type)
-        if not isinstance(type_, NamedType) or not isinstance(
-            model.find(type_.name), Struct
-        ):
+        struct = model.declared(port.type)
+        if not isinstance(struct, Struct):
             raise NoFormError(f"the type of {port.name} is not a struct")
-        needed = reachable(model, type_.name)
+        needed = reachable(model, struct.name)
         forms = Forms(model, limits, dict.fromkeys(needed, "_"))
         for name in needed:
             declaration = model.find(name)

@@ -15,7 +15,6 @@ from rtgen.compiler.model import (
     Enum,
     EnumeratorName,
     InitialValue,
-    Member,
     Model,
     NamedType,
     Primitive,
@@ -264,16 +263,6 @@ class Forms(msgspec.Struct, eq=False):
         )
 
 
-def members_of(model: Model, struct: Struct) -> list[Member]:
-    """Return all members, inherited ones first."""
-    inherited: list[Member] = []
-    if struct.base is not None:
-        base = model.find(struct.base)
-        assert isinstance(base, Struct)
-        inherited = members_of(model, base)
-    return [*inherited, *struct.members]
-
-
 def reachable(model: Model, name: ScopedName) -> list[ScopedName]:
     """Return the structs and enums used by a type, itself last. Raises NoFormError.
 
@@ -293,7 +282,7 @@ def _reach(model: Model, name: ScopedName, names: dict[ScopedName, bool]) -> Non
     names[name] = False
     declaration = model.find(name)
     if isinstance(declaration, Struct):
-        for member in members_of(model, declaration):
+        for member in model.members(declaration):
             type_ = model.unalias(member.type)
             if isinstance(type_, SequenceType | ArrayType):
                 type_ = model.unalias(type_.element)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from itertools import chain
 from typing import Any
 
 from rtgen.compiler.backends import Options
@@ -16,7 +17,7 @@ from rtgen.compiler.backends.kit.quoting.python import (
     string_literal,
 )
 from rtgen.compiler.backends.kit.rendering import render
-from rtgen.compiler.backends.small.forms import Forms, members_of
+from rtgen.compiler.backends.small.forms import Forms
 from rtgen.compiler.model import (
     Component,
     ConfigurationParameter,
@@ -103,7 +104,7 @@ def _struct(
     python_names = _members(model, names, declaration)
     members = [
         (python_names[member.name], forms.form(member.type, member.initial))
-        for member in members_of(model, declaration)
+        for member in model.members(declaration)
     ]
     own = "_self" if any(name == "self" for name, _ in members) else "self"
     return {
@@ -142,12 +143,8 @@ def _filled(statement: str, target: str, source: str = "{1}") -> str:
 
 
 def _members(model: Model, names: PythonNames, declaration: Struct) -> dict[str, str]:
-    inherited: dict[str, str] = {}
-    if declaration.base is not None:
-        base = model.find(declaration.base)
-        assert isinstance(base, Struct)
-        inherited = _members(model, names, base)
-    return inherited | names.members(declaration)
+    named = (names.members(each).items() for each in model.lineage(declaration))
+    return dict(chain.from_iterable(named))
 
 
 def package(

@@ -23,6 +23,7 @@ from rtgen.compiler.backends.tecs.function_text import function_names
 from rtgen.compiler.layouts.signature_digest import signature_digest
 from rtgen.compiler.layouts.tdr import SignatureLayout
 from rtgen.compiler.layouts.tdr_messages import layout_of
+from rtgen.compiler.model.graphs import reached
 from rtgen.compiler.model.tecs import Signature, TecsFunction, TecsUnit
 from rtgen.compiler.typemap.python.names import identifier
 from rtgen.compiler.typemap.tecs.python import (
@@ -85,13 +86,10 @@ def codec_texts(
     known: dict[object, CodecClass] = {}
     signatures = [_Signature(layout, order, known) for layout, order in layouts]
     classes, users = _named(signatures)
-    shared = {name for name, modules in users.items() if len(modules) > 1}
-    waiting = list(shared)
-    while waiting:
-        for record in classes[waiting.pop()].records:
-            if record not in shared:
-                shared.add(record)
-                waiting.append(record)
+    shared = reached(
+        (name for name, modules in users.items() if len(modules) > 1),
+        lambda name: classes[name].records,
+    )
     structs = {name for signature in signatures for name in signature.structs}
     texts = {}
     if shared:

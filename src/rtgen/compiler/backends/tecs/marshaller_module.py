@@ -31,7 +31,6 @@ from rtgen.compiler.lowering.tecs.rtc_components import MARSHALLER
 from rtgen.compiler.model import (
     VOID,
     Component,
-    Direction,
     Model,
     Operation,
     Primitive,
@@ -191,11 +190,7 @@ class _Servant:
         else:
             body += [f"{', '.join(results)} = {call}", *after]
             body.append(returning(converted, 8))
-        given = [
-            f"{names[p.name]}: {annotate(p.type)}"
-            for p in operation.parameters
-            if p.direction is not Direction.OUT
-        ]
+        given = [f"{names[p.name]}: {annotate(p.type)}" for p in operation.arguments]
         assert layout.is_void == (operation.returns == VOID)
         return Method(
             self._names.operations(self._idl.interface)[operation.name],

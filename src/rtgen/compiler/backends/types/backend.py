@@ -298,8 +298,7 @@ def _fault(
     try:
         types.check(entry.type)
     except NotMarshalledError as failure:
-        type_ = model.unalias(entry.type)
-        if isinstance(type_, NamedType) and isinstance(model.find(type_.name), Struct):
+        if isinstance(model.declared(entry.type), Struct):
             return None
         return NOT_MARSHALLED.at(entry.span, f"`{name}`: {failure}")
     return None

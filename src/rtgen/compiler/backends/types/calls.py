@@ -29,7 +29,6 @@ from rtgen.compiler.model import (
     Interface,
     Member,
     Model,
-    NamedType,
     Operation,
     Parameter,
     ScopedName,
@@ -230,11 +229,10 @@ class Calls:
 
 def _bodies(operation: Operation) -> tuple[list[Member], list[Member]]:
     """The members of the request body, and those of the reply body."""
-    parameters = operation.parameters
-    arguments = [_member(p) for p in parameters if p.direction is not Direction.OUT]
+    arguments = [*map(_member, operation.arguments)]
     if operation.context:
         arguments.append(_named(operation, _CONTEXT, SequenceType(StringType())))
-    results = [_member(p) for p in parameters if p.direction is not Direction.IN]
+    results = [*map(_member, operation.results)]
     if operation.returns != VOID:
         results.insert(0, _named(operation, _RESULT, operation.returns))
     return arguments, results
@@ -337,11 +335,7 @@ class CallTable:
 
     def _interface(self, type_: Type) -> str:
         """The class of an object that a member refers to, else `None`."""
-        if not isinstance(type_, NamedType):
-            return "None"
-        type_ = self._calls.model.unalias(type_)
-        if isinstance(type_, NamedType):
-            declaration = self._calls.model.find(type_.name)
-            if isinstance(declaration, Interface):
-                return self._py.reference(type_.name)
+        declared = self._calls.model.declared(type_)
+        if isinstance(declared, Interface):
+            return self._py.reference(declared.name)
         return "None"

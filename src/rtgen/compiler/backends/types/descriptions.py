@@ -248,21 +248,18 @@ class Descriptions(msgspec.Struct, eq=False):
         """Return the descriptors of the named fields, inherited ones first."""
         described: list[str] = []
         position = 0
-        if declaration.base is not None:
-            base = self._model.find(declaration.base)
-            assert isinstance(base, Bitset)
-            described = self._bitfields(base)
-            position = bit_count(self._model, base)
-        names = self._names.members(declaration)
-        for field in declaration.members:
-            if field.name is not None:
-                facts = [str(field.bits), str(position)]
-                facts += ["signed=True"] * is_signed(self._model, field)
-                facts += ["boolean=True"] * is_boolean(self._model, field)
-                attribute = names[field.name]
-                facts += [f'name="{field.name}"'] * (attribute != field.name)
-                described.append(f"{attribute}={self._py.idl}.bits({', '.join(facts)})")
-            position += field.bits
+        for each in self._model.lineage(declaration):
+            names = self._names.members(each)
+            for field in each.members:
+                if field.name is not None:
+                    facts = [str(field.bits), str(position)]
+                    facts += ["signed=True"] * is_signed(self._model, field)
+                    facts += ["boolean=True"] * is_boolean(self._model, field)
+                    attribute = names[field.name]
+                    facts += [f'name="{field.name}"'] * (attribute != field.name)
+                    text = f"{self._py.idl}.bits({', '.join(facts)})"
+                    described.append(f"{attribute}={text}")
+                position += field.bits
         return described
 
     def union(self, declaration: Union, representation: int) -> str:

@@ -12,17 +12,13 @@ from rtgen.compiler.backends.types.calls import Calls
 from rtgen.compiler.backends.types.descriptions import Descriptions, attribute_text
 from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.model import (
-    VOID,
     Attribute,
-    Direction,
     Interface,
-    Operation,
     ScopedName,
-    Type,
 )
 from rtgen.compiler.typemap.member_units import operation_text
 from rtgen.compiler.typemap.python.idl import PythonMapping
-from rtgen.compiler.typemap.python.idl_names import PythonNames, distinct
+from rtgen.compiler.typemap.python.idl_names import PythonNames
 
 
 class _Attribute(msgspec.Struct, frozen=True):
@@ -44,7 +40,7 @@ class Interfaces:
         self._names = names
         self._py = scope
         self._describe = describe
-        self._mapping = PythonMapping(
+        self.mapping = PythonMapping(
             calls.model, scope.reference, scope.spell, servants=True
         )
 
@@ -92,7 +88,7 @@ class Interfaces:
         name = called[attribute.name]
         return _Attribute(
             name=name,
-            type=self._mapping.annotation(attribute.type),
+            type=self.mapping.annotation(attribute.type),
             docstring=docstring(attribute.doc, 8, f"`{attribute_text(attribute)}`."),
             readonly=attribute.readonly,
             get_operation=self._marks(attribute.name, name, attribute.get_raises),
@@ -117,35 +113,12 @@ class Interfaces:
             )
             if marks:
                 lines.append(f"    @{py.operation}({marks})")
-            head = f"    def {name}({self.parameters(operation)})"
-            lines.append(f"{head} -> {self.result(operation)}:{'' if doc else ' ...'}")
+            head = f"    def {name}({', '.join(self.mapping.parameters(operation))})"
+            result = self.mapping.result(operation)
+            lines.append(f"{head} -> {result}:{'' if doc else ' ...'}")
             if doc:
                 lines.append(doc)
         return "\n".join(lines)
-
-    def annotation(self, type_: Type) -> str:
-        """The annotation of a parameter or attribute."""
-        return self._mapping.annotation(type_)
-
-    def parameters(self, operation: Operation) -> str:
-        """The parameters of a method: `self`, then those that are `in` or `inout`."""
-        names = _parameter_names(operation)
-        arguments = [
-            p for p in operation.parameters if p.direction is not Direction.OUT
-        ]
-        annotated = [f"{names[p.name]}: {self.annotation(p.type)}" for p in arguments]
-        return ", ".join(["self", *annotated])
-
-    def result(self, operation: Operation) -> str:
-        """The result as in omniORBpy: None, one value, or a tuple with the return value first."""
-        types: list[Type] = [] if operation.returns == VOID else [operation.returns]
-        types += [
-            p.type for p in operation.parameters if p.direction is not Direction.IN
-        ]
-        annotations = [self._mapping.annotation(type_) for type_ in types]
-        if len(annotations) > 1:
-            return f"{self._py.tuple}[{', '.join(annotations)}]"
-        return annotations[0] if annotations else "None"
 
     def _marks(
         self,
@@ -163,7 +136,3 @@ class Interfaces:
         if oneway:
             marks.append("oneway=True")
         return ", ".join(marks)
-
-
-def _parameter_names(operation: Operation) -> dict[str, str]:
-    return distinct((p.name for p in operation.parameters), ("self",))

@@ -59,11 +59,12 @@ class Valuetypes(msgspec.Struct, eq=False):
         py = self._py
         names = self._names.members(declaration)
         called = self._names.operations(declaration)
+        mapping = self._interfaces.mapping
         methods = [
             _Method(
                 name=called[o.name],
-                parameters=self._interfaces.parameters(o),
-                result=self._interfaces.result(o),
+                parameters=", ".join(mapping.parameters(o)),
+                result=mapping.result(o),
                 docstring=docstring(o.doc, 8, f"`{signature(o)}`."),
                 message=string_literal(f"{declaration.scoped}::{o.name}"),
             )
@@ -72,7 +73,7 @@ class Valuetypes(msgspec.Struct, eq=False):
         properties = [
             _Property(
                 name=called[a.name],
-                type=self._interfaces.annotation(a.type),
+                type=mapping.annotation(a.type),
                 docstring=docstring(a.doc, 8, f"`{attribute_text(a)}`."),
                 readonly=a.readonly,
                 message=string_literal(f"{declaration.scoped}::{a.name}"),

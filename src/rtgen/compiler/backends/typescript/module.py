@@ -18,7 +18,6 @@ from rtgen.compiler.model import (
     ExceptionDecl,
     Member,
     Model,
-    NamedType,
     Primitive,
     PrimitiveType,
     ScopedName,
@@ -47,6 +46,9 @@ _RUNTIME = (
     *("map", "octet", "octets", "sequence", "short", "string", "struct", "ulong"),
     *("ulonglong", "union", "ushort", "wchar", "wstring"),
 )
+
+
+_BOOLEAN = PrimitiveType(Primitive.BOOLEAN)
 
 
 class TypesModule:
@@ -81,9 +83,8 @@ class TypesModule:
         match declaration:
             case Struct():
                 appendable = self._types.is_appendable(declaration)
-                yield from self._struct(
-                    declaration, self._members(declaration), appendable
-                )
+                members = self._model.members(declaration)
+                yield from self._struct(declaration, members, appendable)
             case ExceptionDecl(members=members):
                 yield from self._struct(declaration, members, False)
             case Union():
@@ -128,15 +129,6 @@ class TypesModule:
             more = f", false, () => {initial}"
         return f"field({quoting.string(member.name)}, {codec}{more})"
 
-    def _members(self, struct: Struct) -> list[Member]:
-        """Return all members, inherited ones first."""
-        inherited: list[Member] = []
-        if struct.base is not None:
-            base = self._model.find(struct.base)
-            assert isinstance(base, Struct)
-            inherited = self._members(base)
-        return [*inherited, *struct.members]
-
     def _union(self, union: Union) -> Iterator[str]:
         name = identifier(union.name)
         switch = self._value(union.switch)
@@ -163,11 +155,11 @@ class TypesModule:
         if any(case.default for case in union.cases):
             return True
         count = sum(len(case.labels) for case in union.cases)
-        switch = self._model.unalias(union.switch)
-        if isinstance(switch, NamedType):
-            declared = self._model.find(switch.name)
-            return isinstance(declared, Enum) and count == len(declared.members)
-        return switch == PrimitiveType(Primitive.BOOLEAN) and count == 2
+        declared = self._model.declared(union.switch)
+        if isinstance(declared, Enum):
+            return count == len(declared.members)
+        is_boolean = self._model.unalias(union.switch) == _BOOLEAN
+        return is_boolean and count == 2
 
     def _branch(self, union: Union, case: Case) -> str:
         labels = ", ".join(self._literal(union.switch, each) for each in case.labels)

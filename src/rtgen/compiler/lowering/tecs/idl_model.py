@@ -45,6 +45,7 @@ from rtgen.compiler.model import (
     Typedef,
 )
 from rtgen.compiler.model.c_types import CPointerType, CScalarType, CStructType, resolve
+from rtgen.compiler.model.graphs import reached
 from rtgen.compiler.model.tecs import (
     TecsConst,
     TecsDeclaration,
@@ -415,14 +416,11 @@ def _is_sized(parameter: TecsParameter) -> bool:
 def _reachable(
     roots: Sequence[Declaration], declared: dict[ScopedName, Declaration]
 ) -> set[ScopedName]:
-    names: set[ScopedName] = set()
-    waiting = [name for root in roots for name in referred(root)]
-    while waiting:
-        name = waiting.pop()
-        if name in declared and name not in names:
-            names.add(name)
-            waiting += referred(declared[name])
-    return names
+    def following(declaration: Declaration) -> Iterator[ScopedName]:
+        return (name for name in referred(declaration) if name in declared)
+
+    needed = (name for root in roots for name in following(root))
+    return reached(needed, lambda name: following(declared[name]))
 
 
 def _fitting(type_: Type, plain: object, value: ConstantValue) -> ConstantValue:

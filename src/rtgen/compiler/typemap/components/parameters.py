@@ -94,12 +94,8 @@ class Parameters:
 
     def enumerators(self, type_: Type) -> tuple[str, ...]:
         """Return the names of an enum's members; empty for other types."""
-        type_ = self._model.unalias(type_)
-        if isinstance(type_, NamedType):
-            declaration = self._model.find(type_.name)
-            if isinstance(declaration, Enum):
-                return tuple(member.name for member in declaration.members)
-        return ()
+        enum = self._model.declared(type_)
+        return tuple(m.name for m in enum.members) if isinstance(enum, Enum) else ()
 
     def default_items(self, parameter: ConfigurationParameter) -> list[str]:
         """Return the items of the default: one for a scalar, any number for a sequence."""

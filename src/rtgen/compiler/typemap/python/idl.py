@@ -13,6 +13,7 @@ from typing import TypeAlias
 import msgspec
 
 from rtgen.compiler.model import (
+    VOID,
     ArrayType,
     Bitfield,
     ExceptionDecl,
@@ -23,6 +24,7 @@ from rtgen.compiler.model import (
     Model,
     NamedType,
     Native,
+    Operation,
     Primitive,
     PrimitiveType,
     ScopedName,
@@ -35,6 +37,7 @@ from rtgen.compiler.model import (
     Valuetype,
 )
 from rtgen.compiler.model.components import Component
+from rtgen.compiler.typemap.python.idl_names import distinct
 from rtgen.facts.primitives import NUMBERS
 
 
@@ -157,6 +160,23 @@ class PythonMapping(msgspec.Struct, eq=False):
                 return f"{self.spell('', 'dict')}[{pair}]"
             case NamedType(name):
                 return self._named(name)
+
+    def parameters(self, operation: Operation) -> tuple[str, ...]:
+        """Return the parameters of a method: `self`, then those that are `in` or `inout`."""
+        names = distinct((p.name for p in operation.parameters), ("self",))
+        arguments = operation.arguments
+        return "self", *(
+            f"{names[p.name]}: {self.annotation(p.type)}" for p in arguments
+        )
+
+    def result(self, operation: Operation) -> str:
+        """Return the result as in omniORBpy: None, a value, or a tuple, the returned one first."""
+        types = [operation.returns] * (operation.returns != VOID)
+        types += [parameter.type for parameter in operation.results]
+        annotations = [self.annotation(type_) for type_ in types]
+        if len(annotations) > 1:
+            return f"{self.spell('', 'tuple')}[{', '.join(annotations)}]"
+        return annotations[0] if annotations else "None"
 
     def immutable(self, type_: Type) -> bool:
         """Return whether values of the type can be shared, such as defaults, without copying."""
