@@ -7,7 +7,7 @@ import ast
 import black
 import pytest
 
-from rtgen.compiler.backends import Artifact, Emission
+from rtgen.compiler.backends import Artifact, Emission, Options
 from rtgen.compiler.backends.kit.python_module import (
     Import,
     PythonModule,
@@ -18,10 +18,10 @@ from rtgen.compiler.backends.kit.python_module import (
 from rtgen.compiler.backends.stage import together
 
 PATH = "robots/components/limiter/__init__.py"
+OPTIONS = Options("robots", "robots", "0.1.0")
 BASE = python_module(
     PATH,
-    "robots",
-    "0.1.0",
+    OPTIONS,
     ["a.idl"],
     "The limiter.",
     imports=[
@@ -38,7 +38,7 @@ def module(
     body: str, *imports: Import, defines: str = "", key: str = "b.eds"
 ) -> PythonModule:
     return python_module(
-        *(PATH, "robots", "0.1.0", [key]),
+        *(PATH, OPTIONS, [key]),
         imports=imports,
         body=body,
         defines=defines.split(),

@@ -15,6 +15,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from type_checkers import check_by_mypy
 
+from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.canopen.pdo_codec import Codecs, PdoCodec
 from rtgen.compiler.backends.kit.python_module import python_module
 from rtgen.compiler.backends.kit.rendering import render
@@ -32,13 +33,14 @@ from rtgen.compiler.model.canopen import BITS, SIGNED, UNSIGNED, DataType
 from rtgen.runtime.canopen.pdo import PdoError
 
 QUICK = settings(max_examples=150, deadline=None)
+OPTIONS = Options("codec", "codec", "1")
 INTEGERS = {**SIGNED, **UNSIGNED}
 
 
 def module_text(codecs: Sequence[PdoCodec]) -> str:
     """Return a module with both functions of each codec."""
     body = render("canopen/pdo_codecs.py.j2", codecs=Codecs(codecs, codecs))
-    return python_module("codec.py", "codec", "1", (), "Codecs.", body=body).text
+    return python_module("codec.py", OPTIONS, (), "Codecs.", body=body).text
 
 
 def compiled(mapped: Sequence[Mapped], name: str = "tpdo1") -> ModuleType:

@@ -11,6 +11,7 @@ import seeds
 from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 
+from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.canopen.pdo_codec import Codecs, PdoCodec
 from rtgen.compiler.backends.kit.python_module import python_module
 from rtgen.compiler.backends.kit.rendering import render
@@ -35,6 +36,7 @@ from rtgen.runtime.canopen.pdo import PdoError
 from rtgen.tools.diff.changes import Wire
 from rtgen.tools.diff.devices import compare_pdos
 
+OPTIONS = Options("codec", "codec", "1")
 SPAN = Span("drive.eds", 1, 1, 1, 2)
 TYPES = (
     *(DataType.BOOLEAN, DataType.INTEGER8, DataType.UNSIGNED8, DataType.INTEGER16),
@@ -103,7 +105,7 @@ def codec(objects: Objects, entries: Sequence[int]) -> Codec:
     mapped = [Mapped(f"o{i:04x}", objects[i], BITS[objects[i]]) for i in entries]
     codecs = [PdoCodec("tpdo1", "TPDO1", layout(mapped))]
     body = render("canopen/pdo_codecs.py.j2", codecs=Codecs(codecs, codecs))
-    text = python_module("codec.py", "codec", "1", (), "Codecs.", body=body).text
+    text = python_module("codec.py", OPTIONS, (), "Codecs.", body=body).text
     module = ModuleType("codec")
     exec(compile(text, "codec", "exec"), module.__dict__)
     return module.encode_tpdo1, module.decode_tpdo1

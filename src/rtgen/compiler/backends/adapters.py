@@ -14,6 +14,7 @@ from rtgen.compiler.backends.components.locations import base_location, source_o
 from rtgen.compiler.backends.kit.python_module import PythonModule, python_module
 from rtgen.compiler.backends.kit.quoting.python import number_literal, string_literal
 from rtgen.compiler.backends.kit.rendering import render
+from rtgen.compiler.kit.words import words
 from rtgen.compiler.model import (
     Adapter,
     ArrayType,
@@ -35,12 +36,9 @@ from rtgen.facts.numeric import Numeric
 _Scale: TypeAlias = Sequence[float]
 """Factor and offset of a conversion."""
 
-_TAKEN = frozenset(
-    {
-        *("annotations", "bytes", "list", "made", "sample", "self"),
-        "Adapter",
-    }
-)
+_TAKEN = words("""
+    annotations bytes list made sample self Adapter
+    """)
 """The names that the template binds or uses."""
 
 
@@ -67,8 +65,7 @@ def _artifacts(model: Model, options: Options) -> Iterator[Artifact]:
         if number == 0:
             yield python_module(
                 f"{options.folder}/adapters/__init__.py",
-                options.package,
-                options.version,
+                options,
                 origin,
                 "Adapters between data types.",
                 plain=True,
@@ -104,8 +101,7 @@ def _module(
     )
     return python_module(
         f"{options.folder}/adapters/{module_name(adapter.name)}.py",
-        options.package,
-        options.version,
+        options,
         origin,
         f"{adapter.name}: {_doc(adapter)}",
         imports=types.imports(),

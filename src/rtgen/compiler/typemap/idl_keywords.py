@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
+from rtgen.compiler.kit.words import words
 
-def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
-
-
-RESERVED = _words("""
+RESERVED = words("""
     abstract any attribute boolean case char const context custom default double enum exception
     factory FALSE fixed float in inout interface local long module native Object octet oneway
     out private public raises readonly sequence short string struct supports switch TRUE
@@ -15,7 +12,7 @@ RESERVED = _words("""
     """)
 """Reserved words of CORBA 2.6, 3.2.4, table 3-6."""
 
-CORBA_3 = _words("""
+CORBA_3 = words("""
     component consumes emits eventtype finder getraises home import manages multiple primarykey
     provides publishes setraises typeid typeprefix uses
     """)

@@ -14,6 +14,7 @@ from rtgen.compiler.backends.kit.quoting.python import (
     string_literal,
 )
 from rtgen.compiler.backends.kit.rendering import render
+from rtgen.compiler.kit.words import words
 from rtgen.compiler.model import Declaration, Interface, SequenceType, StringType
 from rtgen.compiler.typemap.components.actions import ACTIONS
 from rtgen.compiler.typemap.components.parameters import Parameters
@@ -29,14 +30,10 @@ from rtgen.openrtm.backend.plan import (
 )
 from rtgen.openrtm.backend.stub_names import StubNames
 
-_RESERVED = frozenset(
-    {
-        *("Any", "FOLDER", "Host", "MyModuleInit", "OpenRTM_aist", "Path", "RTC"),
-        "behaviour_module",
-        *("annotations", "instance_arguments", "main", "path", "place", "stubs", "sys"),
-        *("int", "str", "host", "manager", "profile", "self", "ec_id", "wire"),
-    }
-)
+_RESERVED = words("""
+    Any FOLDER Host MyModuleInit OpenRTM_aist Path RTC behaviour_module annotations
+    instance_arguments main path place stubs sys int str host manager profile self ec_id wire
+    """)
 
 
 @dataclass(frozen=True, slots=True)

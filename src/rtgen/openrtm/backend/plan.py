@@ -18,6 +18,7 @@ from rtgen.compiler.backends.components.locations import (
 from rtgen.compiler.backends.components.members import attributes_of
 from rtgen.compiler.backends.kit.quoting.properties import is_conf_key, is_conf_value
 from rtgen.compiler.diagnostics import Diagnostic, Related
+from rtgen.compiler.kit.words import words
 from rtgen.compiler.model import (
     Component,
     ConfigurationParameter,
@@ -48,12 +49,10 @@ from rtgen.openrtm.backend import rules
 ROOT = "openrtm"
 """The folder of all modules and systems, below the output folder."""
 
-STOCK = frozenset(
-    {
-        *("BasicDataType", "ExtendedDataTypes", "InterfaceDataTypes"),
-        *("RTC", "SDOPackage", "OpenRTM", "DataPort", "DataPort_OpenRTM", "Manager"),
-    }
-)
+STOCK = words("""
+    BasicDataType ExtendedDataTypes InterfaceDataTypes RTC SDOPackage OpenRTM DataPort
+    DataPort_OpenRTM Manager
+    """)
 """Stems of OpenRTM's own IDL files: included from its folder, never generated."""
 
 _STOCK_STEMS = {stem.casefold(): "" for stem in STOCK}

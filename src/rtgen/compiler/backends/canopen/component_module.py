@@ -140,8 +140,7 @@ class ComponentModule:
         used = [Import("rtgen.runtime.canopen", "pdo", "_pdo")] * ("_pdo." in body)
         return python_module(
             module_path(self.names.package, self.component),
-            self._options.package,
-            self._options.version,
+            self._options,
             [self.ports.device.key],
             title,
             imports=[*used, *self.types.imports()],

@@ -46,8 +46,7 @@ def manager_module(
     )
     return python_module(
         f"{options.folder}/canopen/manager.py",
-        options.package,
-        options.version,
+        options,
         origin,
         "The manager of the CANopen networks.",
         body=body,

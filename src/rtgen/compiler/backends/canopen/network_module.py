@@ -42,9 +42,7 @@ def network_module(
         sync_cob_id=_number(bus.sync_cob_id, SYNC),
     )
     title = f"The network of `{bus.key}`."
-    return python_module(
-        path, options.package, options.version, origin, title, body=body
-    )
+    return python_module(path, options, origin, title, body=body)
 
 
 def _node(node: BusNode) -> Values:

@@ -74,8 +74,7 @@ def objects_module(path: str, ports: DevicePorts, options: Options) -> PythonMod
     )
     return python_module(
         path,
-        options.package,
-        options.version,
+        options,
         [device.key],
         f"The device of `{device.key}`: types of its ports, its objects, its description.",
         body=body,

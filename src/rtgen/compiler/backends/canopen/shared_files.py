@@ -27,8 +27,7 @@ def shared_files(
         origin = [bus.key for bus in model.buses]
         yield python_module(
             f"{folder}/__init__.py",
-            options.package,
-            options.version,
+            options,
             origin,
             "The CANopen networks and their manager.",
             plain=True,

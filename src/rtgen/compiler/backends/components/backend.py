@@ -72,8 +72,7 @@ def _of_part(part: Part) -> Iterator[Artifact]:
     if apart := [each for each in components if not each.module]:
         yield python_module(
             f"{components_folder(options)}/__init__.py",
-            options.package,
-            options.version,
+            options,
             part.origin or (source_of(part.model, each).key for each in apart),
             "The components, each in a package of its own.",
             plain=True,

@@ -179,8 +179,7 @@ class _BaseModule:
         )
         return python_module(
             module_path(self._names.package, component),
-            self._names.package,
-            self._options.version,
+            self._options,
             origin,
             title,
             imports=[

@@ -3,18 +3,16 @@
 from __future__ import annotations
 
 from rtgen.compiler.backends import Options
+from rtgen.compiler.kit.words import words
 from rtgen.compiler.model import Component, Model, SourceFile
 from rtgen.compiler.typemap.profiles import escapes as profile_escapes
 from rtgen.compiler.typemap.python.names import identifier, module_name, skeleton_module
 
 _COMPONENTS = "components"
-SKELETON_NAMES = frozenset(
-    {
-        *("RTC_OK", "ReturnCode_t", "NotImplementedError", "annotations", "property"),
-        *("bool", "bytes", "dict", "float", "int", "list", "object", "self", "str"),
-        "tuple",
-    }
-)
+SKELETON_NAMES = words("""
+    RTC_OK ReturnCode_t NotImplementedError annotations property bool bytes dict float int list
+    object self str tuple
+    """)
 """Names that the module of a skeleton uses."""
 
 

@@ -12,7 +12,7 @@ from typing import Final
 
 import msgspec
 
-from rtgen.compiler.backends import Artifact
+from rtgen.compiler.backends import Artifact, Options
 from rtgen.compiler.backends.kit.python_text import fit_text, header_comment
 from rtgen.compiler.backends.kit.quoting.python import docstring
 
@@ -61,8 +61,7 @@ class PythonModule(Artifact, frozen=True, kw_only=True):
 
 def python_module(
     path: str,
-    package: str,
-    version: str,
+    options: Options,
     origin: Iterable[str],
     title: str = "",
     *,
@@ -83,8 +82,8 @@ def python_module(
             path=path,
             text="",
             origin=tuple(dict.fromkeys(origin)),
-            package=package,
-            version=version,
+            package=options.package,
+            version=options.version,
             title=title,
             imports=(*imports, *stated),
             body=fit_text(body.strip("\n")),

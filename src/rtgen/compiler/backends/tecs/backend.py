@@ -64,8 +64,7 @@ def _package(
     """The module of a package that contains only packages."""
     return python_module(
         f"{options.folder}/__init__.py",
-        options.package,
-        options.version,
+        options,
         (source.key for source in sources),
         title,
         plain=True,

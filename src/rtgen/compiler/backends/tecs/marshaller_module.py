@@ -91,8 +91,7 @@ def marshaller_module(
     )
     return python_module(
         module_path(text.package, component),
-        options.package,
-        options.version,
+        options,
         origin,
         f"`{text.signature}`: calls of a TECS board.",
         imports=[

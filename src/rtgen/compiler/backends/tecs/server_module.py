@@ -31,8 +31,7 @@ def server_module(
     runtime = ["Dispatcher", *["make_tdr"] * text.makes_tdr]
     return python_module(
         f"{text.server_module.replace('.', '/')}.py",
-        options.package,
-        options.version,
+        options,
         origin,
         f"`{text.signature}`: the board's side in Python.",
         imports=[

@@ -41,8 +41,7 @@ def views_module(
         )
     return python_module(
         f"{options.folder}/{VIEWS}.py",
-        options.package,
-        options.version,
+        options,
         origin,
         "Structs in the two views: CDL's types, which codecs have, and IDL's.",
         imports=imports_from(options.package, ["_types"]),

@@ -2,13 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 
 import msgspec
 
 from rtgen.compiler.backends import Artifact, Emission, Options, Part, parts
 from rtgen.compiler.backends.kit.python_module import (
-    Import,
     PythonModule,
     composed,
     python_module,
@@ -116,26 +115,24 @@ class _Writer:
         for module in self._names.modules:
             if module in of_calls:
                 continue
-            python_module, defined = self._module(module)
+            made, defined = self._module(module)
             codecs |= defined
-            if python_module is not None:
-                modules[python_module.path] = python_module
+            if made is not None:
+                modules[made.path] = made
         for file in self._calls.origins:
-            if (python_module := self._calls_module(file)) is not None:
-                modules[python_module.path] = python_module
+            if (made := self._calls_module(file)) is not None:
+                modules[made.path] = made
         types = [d for d in self._part.own if is_emitted(d)]
         everything = self._sources(d.file for d in types or self._part.own)
         for package in packages(self._model, self._names, codecs):
-            python_module = self._package(package, everything)
-            yield composed(
-                [*filter(None, [modules.pop(python_module.path, None)]), python_module]
-            )
+            made = self._package(package, everything)
+            yield composed([*filter(None, [modules.pop(made.path, None)]), made])
         folder = f"{self._options.folder}/_idl"
         if any(path.startswith(f"{folder}/") for path in modules):
             title = "One module for each IDL file."
-            yield self._python_module(
-                f"{folder}/__init__.py", everything, title, plain=True
-            )
+            path = f"{folder}/__init__.py"
+            origin = self._origin(everything)
+            yield python_module(path, self._options, origin, title, plain=True)
         # The marker of the project's package applies to those inside (PEP 561).
         if self._part.origin is None:
             keys = tuple(dict.fromkeys(file.key for file in everything))
@@ -154,16 +151,17 @@ class _Writer:
                 if isinstance(d, Typedef) and builder.has_codec(d)
             }
         body = builder.body()
-        python_module = self._python_module(
+        made = python_module(
             self._path(self._names.home(module)),
-            files,
+            self._options,
+            self._origin(files),
             f"Types of `{_keys(files)}`.",
             imports=builder.scope.imports(),
             body=body,
             defines=builder.scope.defined,
             pragmas=builder.pragmas,
         )
-        return python_module, builder.codecs
+        return made, builder.codecs
 
     def _calls_module(self, file: str) -> PythonModule | None:
         files = self._sources([self._calls.origins[file]])
@@ -172,9 +170,10 @@ class _Writer:
         module = self._names.module(file)
         builder = self._builder(module)
         body = builder.body(self._calls.interfaces(file))
-        return self._python_module(
+        return python_module(
             self._path(self._names.home(module)),
-            files,
+            self._options,
+            self._origin(files),
             f"Calls of the interfaces of `{_keys(files)}`, marshalled.",
             imports=builder.scope.imports(),
             body=body,
@@ -190,8 +189,14 @@ class _Writer:
         files = self._sources(package.files) or everything
         path = f"{package.name.replace('.', '/')}/__init__.py"
         imports, body = package_body(package, self._options, path)
-        return self._python_module(
-            path, files, package.title, imports=imports, body=body, plain=True
+        return python_module(
+            path,
+            self._options,
+            self._origin(files),
+            package.title,
+            imports=imports,
+            body=body,
+            plain=True,
         )
 
     def _path(self, home: str) -> str:
@@ -208,30 +213,8 @@ class _Writer:
             if file.name in selected or file.belongs_to in selected
         ]
 
-    def _python_module(
-        self,
-        path: str,
-        files: list[SourceFile],
-        title: str,
-        *,
-        imports: Iterable[Import] = (),
-        body: str = "",
-        defines: Iterable[str] = (),
-        pragmas: Iterable[str] = (),
-        plain: bool = False,
-    ) -> PythonModule:
-        return python_module(
-            path,
-            self._options.package,
-            self._options.version,
-            self._part.origin or (file.key for file in files),
-            title,
-            imports=imports,
-            body=body,
-            defines=defines,
-            pragmas=pragmas,
-            plain=plain,
-        )
+    def _origin(self, files: list[SourceFile]) -> Sequence[str]:
+        return self._part.origin or [file.key for file in files]
 
 
 def _keys(files: list[SourceFile]) -> str:

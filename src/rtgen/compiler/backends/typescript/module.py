@@ -31,20 +31,11 @@ from rtgen.compiler.typemap.member_units import member_text
 _CODEC_WORD = re.compile(r"[A-Za-z0-9_$]+")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
 _RUNTIME = (
-    *("CdrType", "array", "bitmask", "bitmask64", "boolean", "branch", "char", "chars"),
-    *(
-        "double",
-        "enumeration",
-        "field",
-        "float",
-        "initially",
-        "int8",
-        "lazy",
-        "long",
-        "longlong",
-    ),
-    *("map", "octet", "octets", "sequence", "short", "string", "struct", "ulong"),
-    *("ulonglong", "union", "ushort", "wchar", "wstring"),
+    *("CdrType", "array", "bitmask", "bitmask64", "boolean", "branch", "char"),
+    *("chars", "double", "enumeration", "field", "float", "initially", "int8"),
+    *("lazy", "long", "longlong", "map", "octet", "octets", "sequence", "short"),
+    *("string", "struct", "ulong", "ulonglong", "union", "ushort", "wchar"),
+    "wstring",
 )
 
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 
 from rtgen.compiler.diagnostics import Diagnostic, Related
+from rtgen.compiler.kit.words import words
 from rtgen.compiler.lowering.canopen.rules import (
     BAD_PARAMETER,
     NO_DEFAULT,
@@ -19,12 +20,9 @@ from rtgen.compiler.typemap.canopen.ports import DevicePorts, can_be_parameter
 from rtgen.compiler.typemap.python.idl_names import package_path
 from rtgen.compiler.typemap.python.names import module_name
 
-_TAKEN = frozenset(
-    {
-        *("rtc", "canopen", "corba", "components", "adapters"),
-        *("networks", "manager", "service", "_idl"),
-    }
-)
+_TAKEN = words("""
+    rtc canopen corba components adapters networks manager service _idl
+    """)
 
 
 def kinds_of(

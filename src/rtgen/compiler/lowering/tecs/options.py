@@ -10,33 +10,18 @@ from dataclasses import dataclass, field, fields
 from typing import Any
 
 from rtgen.compiler.diagnostics import Diagnostic
+from rtgen.compiler.kit.words import words
 from rtgen.compiler.lowering.tecs.rules import BAD_OPTION, UNKNOWN_OPTION
 from rtgen.compiler.model.tecs import PluginOption, Through
 from rtgen.compiler.typemap.tecs.idl import Widths
 from rtgen.facts.opaque_rpc import MAX_TIMEOUT, TIMEOUT
 
-TECSGEN_OPTIONS = frozenset(
-    {
-        "TDRCelltype",
-        "clientChannelCell",
-        "clientChannelCelltype",
-        "clientChannelInitializer",
-        "clientErrorHandler",
-        "clientSemaphoreCelltype",
-        "clientSemaphoreInitializer",
-        "noClientSemaphore",
-        "noServerChannelOpenerCode",
-        "serverChannelCell",
-        "serverChannelCelltype",
-        "serverChannelInitializer",
-        "serverErrorHandler",
-        "silent",
-        "stackSize",
-        "substituteAllocator",
-        "taskCelltype",
-        "taskPriority",
-    }
-)
+TECSGEN_OPTIONS = words("""
+    TDRCelltype clientChannelCell clientChannelCelltype clientChannelInitializer clientErrorHandler
+    clientSemaphoreCelltype clientSemaphoreInitializer noClientSemaphore noServerChannelOpenerCode
+    serverChannelCell serverChannelCelltype serverChannelInitializer serverErrorHandler silent
+    stackSize substituteAllocator taskCelltype taskPriority
+    """)
 """Options of tecsgen's OpaqueRPCPlugin, for the board's half: they pass through `RTCPlugin.rb`."""
 
 _UNITS = (16, 32, 64)

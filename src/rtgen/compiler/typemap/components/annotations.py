@@ -18,16 +18,9 @@ from rtgen.compiler.model.rtc_profile import EVENT, EVENT_ARGUMENTS, EVENT_PORT
 from rtgen.facts.comments import first_sentence
 
 _PROFILE = (
-    *("kind", "category", "vendor", "version", "description", "rate", "max_instances"),
-    *(
-        "activity",
-        "component_type",
-        "activity_type",
-        "triggers",
-        "execution",
-        "created",
-    ),
-    "updated",
+    *("kind", "category", "vendor", "version", "description", "rate"),
+    *("max_instances", "activity", "component_type", "activity_type", "triggers"),
+    *("execution", "created", "updated"),
 )
 """The arguments of `@rtc`, in order: fields of a component."""
 

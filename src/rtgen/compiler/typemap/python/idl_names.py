@@ -12,6 +12,7 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 from functools import cached_property, lru_cache
 from typing import TypeAlias
 
+from rtgen.compiler.kit.words import words
 from rtgen.compiler.model import (
     Bitfield,
     Bitmask,
@@ -40,17 +41,9 @@ from rtgen.compiler.typemap.python.implementation_modules import (
 from rtgen.compiler.typemap.python.names import identifier
 from rtgen.compiler.typemap.python.support import HOMES
 
-CODEC = frozenset(
-    {
-        "to_cdr",
-        "from_cdr",
-        "to_xcdr1",
-        "from_xcdr1",
-        "to_xcdr2",
-        "from_xcdr2",
-        "key_hash",
-    }
-)
+CODEC = words("""
+    to_cdr from_cdr to_xcdr1 from_xcdr1 to_xcdr2 from_xcdr2 key_hash
+    """)
 """Public methods of all types with a codec; equal IDL names get a trailing `_`."""
 
 NUMBER = frozenset({"to_number", "from_number"})
@@ -62,24 +55,10 @@ OWN_NAMES: dict[type[Declaration], frozenset[str]] = {
     Struct: CODEC,
     ExceptionDecl: CODEC | {"args", "with_traceback", "add_note"},
     Union: CODEC | _UNION_FIELDS,
-    Enum: CODEC
-    | NUMBER
-    | {
-        "name",
-        "value",
-        "mro",
-        "as_integer_ratio",
-        "bit_count",
-        "bit_length",
-        "conjugate",
-        "denominator",
-        "from_bytes",
-        "imag",
-        "is_integer",
-        "numerator",
-        "real",
-        "to_bytes",
-    },
+    Enum: CODEC | NUMBER | words("""
+        name value mro as_integer_ratio bit_count bit_length conjugate denominator from_bytes imag
+        is_integer numerator real to_bytes
+        """),
 }
 """Attributes of the Python class of a declaration, which members cannot use."""
 OWN_NAMES[Bitmask] = OWN_NAMES[Enum]

@@ -5,6 +5,7 @@ from __future__ import annotations
 import builtins
 from collections.abc import Mapping
 
+from rtgen.compiler.kit.words import words
 from rtgen.compiler.layouts.tdr import (
     Basic,
     Counted,
@@ -60,27 +61,15 @@ CODEC_IMPORTS: Mapping[str, tuple[str, ...]] = {
 
 IMPORTED_NAMES = frozenset(name for names in CODEC_IMPORTS.values() for name in names)
 
-CODEC_ATTRIBUTES = frozenset(
-    (
-        *(
-            "awaiting_reply",
-            "digest",
-            "encoding",
-            "functions",
-            "nothing_follows",
-            "reply_limit",
-        ),
-        *("request_head", "request_limit", "request_sop", "signature", "tdr"),
-    )
-)
+CODEC_ATTRIBUTES = words("""
+    awaiting_reply digest encoding functions nothing_follows reply_limit request_head request_limit
+    request_sop signature tdr
+    """)
 """Attributes of codecs, besides those for functions."""
 
-MARSHALLER_NAMES = frozenset(
-    {
-        *("Channel", "CommunicationChannel", "OpaqueRpc", "ProxyServant", "RTC_OK"),
-        *("ReturnCode_t", "Sequence", "make_tdr"),
-    }
-)
+MARSHALLER_NAMES = words("""
+    Channel CommunicationChannel OpaqueRpc ProxyServant RTC_OK ReturnCode_t Sequence make_tdr
+    """)
 """Names imported by the module of a marshaller, besides those of its types and bases."""
 
 _OF_MODULES = frozenset(

@@ -26,6 +26,7 @@ from rtgen.compiler.frontends.cdl.rules import headers as rules
 from rtgen.compiler.frontends.cdl.syntax.unit import Header
 from rtgen.compiler.frontends.kit.conditions import ConditionError, Operand, value_of
 from rtgen.compiler.frontends.kit.library import MAX_BYTES, Library
+from rtgen.compiler.kit.words import words
 from rtgen.compiler.model.tecs import TecsDeclaration
 
 MAX_TOKENS = 500_000
@@ -116,13 +117,10 @@ _TOKEN = re.compile(
     r"|(?P<word>[A-Za-z_]\w*)|(?P<mark>[{}();])|\n",
     re.DOTALL,
 )
-_DROPPED = frozenset(
-    (
-        *("__extension__", "__inline", "__inline__", "inline", "Inline", "_Noreturn"),
-        *("__restrict", "__restrict__", "restrict", "__const", "__volatile"),
-        *("__volatile__", "__signed__"),
-    )
-)
+_DROPPED = words("""
+    __extension__ __inline __inline__ inline Inline _Noreturn __restrict __restrict__ restrict
+    __const __volatile __volatile__ __signed__
+    """)
 
 
 class LimitError(Exception):

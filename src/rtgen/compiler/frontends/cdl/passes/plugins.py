@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from dataclasses import dataclass, field
 
+from rtgen.compiler.kit.words import words
+
 OURS = frozenset({"RTCPlugin", "RTCPlug-in"})
 """The names of rtgen's plug-in; the second is the spelling of the paper."""
 
@@ -11,98 +13,33 @@ OWN_NAME = "RTCPlugin"
 
 _SUFFIX = "plugin"
 
-THROUGH = frozenset(
-    {
-        "HRP2RPCPlugin",
-        "HRP2SVCPlugin",
-        "HRPRPCPlugin",
-        "HRPSVCThroughPlugin",
-        "OpaqueRPCPlugin",
-        "RPCPlugin",
-        "RepeatJoinPlugin",
-        "SharedOpaqueRPCPlugin",
-        "SharedRPCPlugin",
-        "ThroughPlugin",
-        "TracePlugin",
-    }
-)
+THROUGH = words("""
+    HRP2RPCPlugin HRP2SVCPlugin HRPRPCPlugin HRPSVCThroughPlugin OpaqueRPCPlugin RPCPlugin
+    RepeatJoinPlugin SharedOpaqueRPCPlugin SharedRPCPlugin ThroughPlugin TracePlugin
+    """)
 """Plug-ins of joins and regions that tecsgen ships."""
 
-GENERATE = frozenset(
-    {
-        "ATK1AlarmPlugin",
-        "ATK1DelayTaskPlugin",
-        "ATK1EventPlugin",
-        "ATK1ISRPlugin",
-        "ATK1KernelPlugin",
-        "ATK1ResourcePlugin",
-        "ATK1TaskPlugin",
-        "C2TECSBridgePlugin",
-        "CIfGenCellPlugin",
-        "CIfGenCelltypePlugin",
-        "CIfGenPlugin",
-        "CellPlugin",
-        "CelltypePlugin",
-        "CompositePlugin",
-        "CppIfGenCellPlugin",
-        "CppIfGenCelltypePlugin",
-        "CppIfGenPlugin",
-        "FMPHandlerPlugin",
-        "FMPObjectPlugin",
-        "FMPPlugin",
-        "HRMPKernelObjectPlugin",
-        "HRP2AlarmHandlerPlugin",
-        "HRP2CyclicHandlerPlugin",
-        "HRP2DataqueuePlugin",
-        "HRP2EventflagPlugin",
-        "HRP2FixedSizeMemoryPoolPlugin",
-        "HRP2HandlerPlugin",
-        "HRP2KernelObjectPlugin",
-        "HRP2ObjectPlugin",
-        "HRP2PriorityDataqueuePlugin",
-        "HRP2SemaphorePlugin",
-        "HRP2TaskPlugin",
-        "HRPHandlerPlugin",
-        "HRPKernelObjectPlugin",
-        "HRPObjectPlugin",
-        "HRPSVCBodyCellPlugin",
-        "HRPSVCSignaturePlugin",
-        "HRPTaskPlugin",
-        "MBedHTTPPlugin",
-        "Mruby2CBridgePlugin",
-        "MrubyBridgeCellPlugin",
-        "MrubyBridgeCelltypePlugin",
-        "MrubyBridgeCompositePlugin",
-        "MrubyBridgePlugin",
-        "MrubyBridgeSignaturePlugin",
-        "MrubyInfoBridgeCellPlugin",
-        "MrubyInfoBridgePlugin",
-        "MrubyInfoBridgeSignaturePlugin",
-        "MultiPlugin",
-        "NotifierPlugin",
-        "OpaqueMarshalerPlugin",
-        "RepeatCellPlugin",
-        "SignaturePlugin",
-        "TECS2CBridgePlugin",
-        "TECSInfoCompoPlugin",
-        "TECSInfoPlugin",
-    }
-)
+GENERATE = words("""
+    ATK1AlarmPlugin ATK1DelayTaskPlugin ATK1EventPlugin ATK1ISRPlugin ATK1KernelPlugin
+    ATK1ResourcePlugin ATK1TaskPlugin C2TECSBridgePlugin CIfGenCellPlugin CIfGenCelltypePlugin
+    CIfGenPlugin CellPlugin CelltypePlugin CompositePlugin CppIfGenCellPlugin CppIfGenCelltypePlugin
+    CppIfGenPlugin FMPHandlerPlugin FMPObjectPlugin FMPPlugin HRMPKernelObjectPlugin
+    HRP2AlarmHandlerPlugin HRP2CyclicHandlerPlugin HRP2DataqueuePlugin HRP2EventflagPlugin
+    HRP2FixedSizeMemoryPoolPlugin HRP2HandlerPlugin HRP2KernelObjectPlugin HRP2ObjectPlugin
+    HRP2PriorityDataqueuePlugin HRP2SemaphorePlugin HRP2TaskPlugin HRPHandlerPlugin
+    HRPKernelObjectPlugin HRPObjectPlugin HRPSVCBodyCellPlugin HRPSVCSignaturePlugin HRPTaskPlugin
+    MBedHTTPPlugin Mruby2CBridgePlugin MrubyBridgeCellPlugin MrubyBridgeCelltypePlugin
+    MrubyBridgeCompositePlugin MrubyBridgePlugin MrubyBridgeSignaturePlugin
+    MrubyInfoBridgeCellPlugin MrubyInfoBridgePlugin MrubyInfoBridgeSignaturePlugin MultiPlugin
+    NotifierPlugin OpaqueMarshalerPlugin RepeatCellPlugin SignaturePlugin TECS2CBridgePlugin
+    TECSInfoCompoPlugin TECSInfoPlugin
+    """)
 """Plug-ins of signatures, celltypes and cells that tecsgen ships."""
 
-DOMAIN = frozenset(
-    {
-        "ClassPlugin",
-        "DomainPlugin",
-        "FMPClassPlugin",
-        "FMPPlugin",
-        "HRMPClassPlugin",
-        "HRMPDomainPlugin",
-        "HRMPPlugin",
-        "HRP2Plugin",
-        "HRPPlugin",
-    }
-)
+DOMAIN = words("""
+    ClassPlugin DomainPlugin FMPClassPlugin FMPPlugin HRMPClassPlugin HRMPDomainPlugin HRMPPlugin
+    HRP2Plugin HRPPlugin
+    """)
 """Plug-ins of domain and class regions, where names omit the suffix `Plugin`."""
 
 

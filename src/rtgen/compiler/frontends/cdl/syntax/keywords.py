@@ -2,12 +2,9 @@
 
 from __future__ import annotations
 
+from rtgen.compiler.kit.words import words
 
-def _words(text: str) -> frozenset[str]:
-    return frozenset(text.split())
-
-
-RESERVED = _words("""
+RESERVED = words("""
     namespace signature celltype cell attr var call entry composite require factory FACTORY
     typedef struct region import import_C generate void volatile const signed unsigned int8_t
     int16_t int32_t int64_t int128_t uint8_t uint16_t uint32_t uint64_t uint128_t float32_t
@@ -16,7 +13,7 @@ RESERVED = _words("""
     """)
 """Reserved words, which are never identifiers."""
 
-SPECIFIERS = _words("""
+SPECIFIERS = words("""
     id callback context deviate singleton idx_is_id active inline ref_desc optional dynamic omit
     choice allocator prototype restrict oneway in out inout send receive size_is count_is string
     nullable through in_through out_through to_through node linkunit domain class

@@ -11,22 +11,15 @@ from importlib.util import find_spec
 from pathlib import Path
 from typing import Final
 
+from rtgen.compiler.kit.words import words
+
 _MARK: Final = "BasicDataType.idl"
 """A file that the folder has."""
-FILES: Final = frozenset(
-    f"{stem}.idl"
-    for stem in (
-        *(
-            "CameraCommonInterface",
-            "DataPort",
-            "DataPort_OpenRTM",
-            "ExtendedFsmService",
-        ),
-        *("Manager", "ManipulatorCommonInterface_Common", "OpenRTM", "RTC"),
-        *("ManipulatorCommonInterface_DataTypes", "ManipulatorCommonInterface_Middle"),
-        *("SDOPackage", "SharedMemory"),
-    )
-)
+FILES: Final = frozenset(f"{stem}.idl" for stem in words("""
+        CameraCommonInterface DataPort DataPort_OpenRTM ExtendedFsmService Manager
+        ManipulatorCommonInterface_Common ManipulatorCommonInterface_DataTypes
+        ManipulatorCommonInterface_Middle OpenRTM RTC SDOPackage SharedMemory
+        """))
 """The files of OpenRTM-aist 2.1.0 that rtgen does not have."""
 _TIMEOUT: Final = 5.0
 """Seconds that a script of OpenRTM may take."""
