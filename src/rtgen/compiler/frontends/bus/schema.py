@@ -39,173 +39,137 @@ def _each(pattern: str, value: dict[str, Any], description: str) -> dict[str, An
     }
 
 
-_SECONDS = {"type": "number", "minimum": 0, "maximum": 3600}
-_U32 = {"type": "integer", "minimum": 1, "maximum": 0xFFFFFFFF}
-_NODE_ID = {"type": "integer", "minimum": 1, "maximum": 127}
+def _list(items: dict[str, Any], description: str) -> dict[str, Any]:
+    return {"type": "array", "items": items, "description": description}
+
+
+def _number(
+    low: int, high: int, description: str = "", kind: str = "integer"
+) -> dict[str, Any]:
+    number: dict[str, Any] = {"type": kind, "minimum": low, "maximum": high}
+    return number | ({"description": description} if description else {})
+
+
+def _seconds(description: str) -> dict[str, Any]:
+    return _number(0, 3600, description, "number")
+
+
+def _times(description: str) -> dict[str, Any]:
+    return _number(0, 1_000_000, description)
+
+
+def _u32(description: str) -> dict[str, Any]:
+    return _number(1, 0xFFFFFFFF, description)
+
+
+def _flag(description: str) -> dict[str, Any]:
+    return {"type": "boolean", "description": description}
+
+
+def _text(pattern: str, description: str = "") -> dict[str, Any]:
+    text = {"type": "string", "pattern": pattern}
+    return text | ({"description": description} if description else {})
+
+
 _VALUES = _each(
     _OBJECT,
     {"type": ["integer", "number", "string", "boolean"]},
     "What is written to objects at start-up: index and sub-index in hexadecimal digits.",
 )
 
-_STOPS = {
-    "type": "array",
-    "items": {"type": "string", "pattern": "^-?[0-9A-Fa-fxX]{4}$"},
-    "description": "Emergency codes that stop the proxy, with x for any digit; the last one that "
-    "matches decides, with - it only reports. Default: xxxx, -8110, -8120, -8140, -82xx.",
+_STOPS = _list(
+    _text("^-?[0-9A-Fa-fxX]{4}$"),
+    "Emergency codes that stop the proxy, with x for any digit; the last one that matches decides, "
+    "with - it only reports. Default: xxxx, -8110, -8120, -8140, -82xx.",
+)
+
+_BUS = {
+    "name": _text(_NAME),
+    "bit_rate": {"enum": list(BIT_RATES), "description": "In kbit/s."},
+    "manager": _number(1, 127, "The NMT master; default 127."),
+    "sync": _seconds("Period of SYNC in seconds."),
+    "heartbeat": _seconds("Period of the manager's heartbeat in seconds."),
+    "sync_counter": _number(
+        2, 240, "SYNC counts from 1 to this number; default: no counter."
+    ),
+    "dcf": _flag("Whether each node has a DCF; default true."),
+    "event": _seconds(
+        "Least time between two event-driven PDOs without an inhibit time, in seconds; "
+        "default 0.01."
+    ),
 }
+
+_DEVICE = {
+    "eds": {
+        "type": "string",
+        "description": "EDS, DCF, XDD or XDC, relative to the bus file.",
+    },
+    "name": _text(_NAME, "The IDL module; default: made from the file's name."),
+    "ports": {"enum": ["pdo", "object"]},
+    "parameters": _list(
+        _text(_OBJECT), "Objects that become configuration parameters."
+    ),
+    "operations": _list(
+        _text(_OBJECT),
+        "Objects that have operations of their own in the SDO service: get_<name>, set_<name>.",
+    ),
+    "factors": _each(
+        _OBJECT,
+        {"type": ["number", "string"], "pattern": "^cia402$"},
+        "Physical value = factor * value; cia402: by 608Fh, 6090h to 6092h and 60A8h to 60AAh of "
+        "the drive.",
+    ),
+    "units": _each(_OBJECT, {"type": "string"}, "Units of the physical values."),
+    "values": _VALUES,
+    "emergency_stop": _STOPS,
+}
+
+_NODE = {
+    "device": _text(_NAME),
+    "id": _number(1, 127),
+    "values": _VALUES,
+    "heartbeat_timeout": _seconds(
+        "How long the manager waits for a heartbeat, in seconds; default: three periods."
+    ),
+    "boot_timeout": _seconds(
+        "How long a reset may take until the boot-up message, in seconds; default: 1F89h of the "
+        "device, else 2."
+    ),
+    "restarts": _times("How often the manager resets it after an error; default 0."),
+    "mandatory": _flag("Whether the network is in error without it; default true."),
+    "start": _flag(
+        "Whether the manager starts it when it is configured; default true."
+    ),
+    "lss": _flag(
+        "Whether it may have no node-id yet, so that the manager assigns it; default false."
+    ),
+    "emergency_stop": _STOPS,
+    "recoveries": _times(
+        "How often in a row its proxy leaves ERROR by itself; default 0."
+    ),
+    "revision": _u32("Its revision number (1018h:3), to be checked."),
+    "serial": _u32(
+        "Its serial number (1018h:4), to be checked; selects it among others of its kind in LSS."
+    ),
+}
+
+_LINK = _table(
+    {"from": _text(_PDO), "to": _text(_PDO)},
+    *("from", "to"),
+    description="An RPDO that receives another node's TPDO: node.tpdo1, node.rpdo2.",
+)
 
 SCHEMA: dict[str, Any] = {
     "$schema": "https://json-schema.org/draft/2020-12/schema",
     "title": "CANopen bus file of rtgen",
 } | _table(
     {
-        "bus": _table(
-            {
-                "name": {"type": "string", "pattern": _NAME},
-                "bit_rate": {
-                    "enum": list(BIT_RATES),
-                    "description": "In kbit/s.",
-                },
-                "manager": _NODE_ID | {"description": "The NMT master; default 127."},
-                "sync": _SECONDS | {"description": "Period of SYNC in seconds."},
-                "heartbeat": _SECONDS
-                | {"description": "Period of the manager's heartbeat in seconds."},
-                "sync_counter": {
-                    "type": "integer",
-                    "minimum": 2,
-                    "maximum": 240,
-                    "description": "SYNC counts from 1 to this number; default: no counter.",
-                },
-                "dcf": {
-                    "type": "boolean",
-                    "description": "Whether each node has a DCF; default true.",
-                },
-                "event": _SECONDS
-                | {
-                    "description": "Least time between two event-driven PDOs without an inhibit "
-                    "time, in seconds; default 0.01."
-                },
-            },
-            "bit_rate",
-        ),
-        "device": _each(
-            _NAME,
-            _table(
-                {
-                    "eds": {
-                        "type": "string",
-                        "description": "EDS, DCF, XDD or XDC, relative to the bus file.",
-                    },
-                    "name": {
-                        "type": "string",
-                        "pattern": _NAME,
-                        "description": "The IDL module; default: made from the file's name.",
-                    },
-                    "ports": {"enum": ["pdo", "object"]},
-                    "parameters": {
-                        "type": "array",
-                        "items": {"type": "string", "pattern": _OBJECT},
-                        "description": "Objects that become configuration parameters.",
-                    },
-                    "operations": {
-                        "type": "array",
-                        "items": {"type": "string", "pattern": _OBJECT},
-                        "description": "Objects that have operations of their own in the SDO "
-                        "service: get_<name>, set_<name>.",
-                    },
-                    "factors": _each(
-                        _OBJECT,
-                        {"type": ["number", "string"], "pattern": "^cia402$"},
-                        "Physical value = factor * value; cia402: by 608Fh, 6090h to 6092h and "
-                        "60A8h to 60AAh of the drive.",
-                    ),
-                    "units": _each(
-                        _OBJECT, {"type": "string"}, "Units of the physical values."
-                    ),
-                    "values": _VALUES,
-                    "emergency_stop": _STOPS,
-                },
-                "eds",
-            ),
-            "Kinds of device.",
-        ),
-        "node": _each(
-            _NAME,
-            _table(
-                {
-                    "device": {"type": "string", "pattern": _NAME},
-                    "id": _NODE_ID,
-                    "values": _VALUES,
-                    "heartbeat_timeout": _SECONDS
-                    | {
-                        "description": "How long the manager waits for a heartbeat, in seconds; "
-                        "default: three periods."
-                    },
-                    "boot_timeout": _SECONDS
-                    | {
-                        "description": "How long a reset may take until the boot-up message, in "
-                        "seconds; default: 1F89h of the device, else 2."
-                    },
-                    "restarts": {
-                        "type": "integer",
-                        "minimum": 0,
-                        "maximum": 1_000_000,
-                        "description": "How often the manager resets it after an error; "
-                        "default 0.",
-                    },
-                    "mandatory": {
-                        "type": "boolean",
-                        "description": "Whether the network is in error without it; "
-                        "default true.",
-                    },
-                    "start": {
-                        "type": "boolean",
-                        "description": "Whether the manager starts it when it is configured; "
-                        "default true.",
-                    },
-                    "lss": {
-                        "type": "boolean",
-                        "description": "Whether it may have no node-id yet, so that the manager "
-                        "assigns it; default false.",
-                    },
-                    "emergency_stop": _STOPS,
-                    "recoveries": {
-                        "type": "integer",
-                        "minimum": 0,
-                        "maximum": 1_000_000,
-                        "description": "How often in a row its proxy leaves ERROR by itself; "
-                        "default 0.",
-                    },
-                    "revision": _U32
-                    | {"description": "Its revision number (1018h:3), to be checked."},
-                    "serial": _U32
-                    | {
-                        "description": "Its serial number (1018h:4), to be checked; selects it "
-                        "among others of its kind in LSS."
-                    },
-                },
-                "device",
-                "id",
-            ),
-            "Nodes by name.",
-        ),
-        "link": {
-            "type": "array",
-            "items": _table(
-                {
-                    "from": {"type": "string", "pattern": _PDO},
-                    "to": {"type": "string", "pattern": _PDO},
-                },
-                "from",
-                "to",
-                description="An RPDO that receives another node's TPDO: node.tpdo1, node.rpdo2.",
-            ),
-        },
+        "bus": _table(_BUS, "bit_rate"),
+        "device": _each(_NAME, _table(_DEVICE, "eds"), "Kinds of device."),
+        "node": _each(_NAME, _table(_NODE, "device", "id"), "Nodes by name."),
+        "link": {"type": "array", "items": _LINK},
     },
-    "bus",
-    "device",
-    "node",
+    *("bus", "device", "node"),
 )
 
 _TYPES: dict[str, tuple[type, ...]] = {

@@ -11,10 +11,10 @@ from collections.abc import Callable
 from contextlib import suppress
 from datetime import date
 from enum import Enum
+from functools import partial
 from typing import Final, TypeAlias
 
 import msgspec
-from msgspec.structs import replace
 
 from rtgen.compiler.model.canopen import Access, DataType
 
@@ -121,10 +121,10 @@ class Field(msgspec.Struct, frozen=True):
     without a value, where the schema requires the attribute; `other` is a further name of it.
     """
 
-    section: str
-    key: str
     body: Body
     path: tuple[str, ...]
+    section: str
+    key: str
     attribute: str = ""
     read: Conversion = _same
     write: Conversion = _same
@@ -134,48 +134,20 @@ class Field(msgspec.Struct, frozen=True):
 
 _FEATURES = ("NetworkManagement", "CANopenGeneralFeatures")
 _MASTER = ("NetworkManagement", "CANopenMasterFeatures")
-
-
-def _of_file(
-    key: str,
-    attribute: str,
-    read: Conversion = _same,
-    write: Conversion = _same,
-    absent: str | None = None,
-) -> Field:
-    return Field("FileInfo", key, Body.DEVICE, (), attribute, read, write, absent)
+_COMMISSIONING = ("NetworkManagement", "deviceCommissioning")
+_FLAG = (_flag_in, _flag_out)
+_NUMBER = (_same, _number_out)
 
 
 def _identity(section: str, key: str, *path: str) -> Field:
-    return Field(section, key, Body.DEVICE, ("DeviceIdentity", *path))
+    return Field(Body.DEVICE, ("DeviceIdentity", *path), section, key)
 
 
-def _network(
-    section: str,
-    key: str,
-    path: tuple[str, ...],
-    attribute: str,
-    read: Conversion = _same,
-    write: Conversion = _same,
-    absent: str | None = None,
-) -> Field:
-    return Field(section, key, Body.NETWORK, path, attribute, read, write, absent)
-
-
-def _commissioning(
-    key: str,
-    attribute: str,
-    read: Conversion = _same,
-    write: Conversion = _same,
-    absent: str = "",
-) -> Field:
-    path = ("NetworkManagement", "deviceCommissioning")
-    place = ("DeviceComissioning", key, path, attribute)
-    return _network(*place, read, write, absent)
-
-
-_FLAG = (_flag_in, _flag_out)
-_NUMBER = (_same, _number_out)
+_of_file = partial(Field, Body.DEVICE, (), "FileInfo")
+_feature = partial(Field, Body.NETWORK, _FEATURES, "DeviceInfo")
+_commissioning = partial(
+    Field, Body.NETWORK, _COMMISSIONING, "DeviceComissioning", absent=""
+)
 
 FIELDS: Final = (
     _of_file("FileName", "fileName", absent=""),
@@ -191,22 +163,23 @@ FIELDS: Final = (
     _identity("DeviceInfo", "ProductNumber", "productID"),
     _identity("FileInfo", "Description", "productText", "description"),
     _identity("DeviceInfo", "OrderCode", "orderNumber"),
-    _network("DeviceInfo", "GroupMessaging", _FEATURES, "groupMessaging", *_FLAG),
-    _network(
-        "DeviceInfo", "DynamicChannelsSupported", _FEATURES, "dynamicChannels", *_NUMBER
+    _feature("GroupMessaging", "groupMessaging", *_FLAG),
+    _feature("DynamicChannelsSupported", "dynamicChannels", *_NUMBER),
+    _feature("Granularity", "granularity", *_NUMBER, absent="1"),
+    _feature("NrOfRXPDO", "nrOfRxPDO", *_NUMBER),
+    _feature("NrOfTXPDO", "nrOfTxPDO", *_NUMBER),
+    _feature("SimpleBootUpSlave", "bootUpSlave", *_FLAG),
+    _feature("LSS_Supported", "layerSettingServiceSlave", *_FLAG),
+    Field(
+        Body.NETWORK,
+        _MASTER,
+        "DeviceInfo",
+        "SimpleBootUpMaster",
+        "bootUpMaster",
+        *_FLAG,
     ),
-    _network(
-        "DeviceInfo", "Granularity", _FEATURES, "granularity", *_NUMBER, absent="1"
-    ),
-    _network("DeviceInfo", "NrOfRXPDO", _FEATURES, "nrOfRxPDO", *_NUMBER),
-    _network("DeviceInfo", "NrOfTXPDO", _FEATURES, "nrOfTxPDO", *_NUMBER),
-    _network("DeviceInfo", "SimpleBootUpSlave", _FEATURES, "bootUpSlave", *_FLAG),
-    _network(
-        "DeviceInfo", "LSS_Supported", _FEATURES, "layerSettingServiceSlave", *_FLAG
-    ),
-    _network("DeviceInfo", "SimpleBootUpMaster", _MASTER, "bootUpMaster", *_FLAG),
     # CiA 311 calls it nodeID, CANopenEditor's schema and program NodeID.
-    replace(_commissioning("NodeID", "NodeID", *_NUMBER, absent="0"), other="nodeID"),
+    _commissioning("NodeID", "NodeID", *_NUMBER, absent="0", other="nodeID"),
     _commissioning("NodeName", "nodeName"),
     _commissioning("Baudrate", "actualBaudRate", rate_in),
     _commissioning("NetNumber", "networkNumber", *_NUMBER, absent="0"),
