@@ -94,13 +94,8 @@ def _services(node: BusNode) -> Iterator[Message]:
         yield Message(
             f"{name} guarding request", can_id, 0, time, remote=True, queue=HOST
         )
-    inhibit = node.device.find(_EMERGENCY_INHIBIT)
-    inhibit_time = None if inhibit is None else inhibit.current
-    pause = (
-        inhibit_time / 10_000
-        if isinstance(inhibit_time, int) and inhibit_time
-        else SPORADIC
-    )
+    inhibit_time = node.device.number(_EMERGENCY_INHIBIT)
+    pause = inhibit_time / 10_000 if inhibit_time else SPORADIC
     emergency = emergency_cob_id(node)
     if not emergency & INVALID:
         yield Message(

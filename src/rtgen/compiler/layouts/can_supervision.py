@@ -14,12 +14,12 @@ _PERIODS = 3
 
 def heartbeat(node: BusNode) -> int:
     """Return the period of a node's heartbeat."""
-    return _number(node, _HEARTBEAT)
+    return node.device.number(_HEARTBEAT) or 0
 
 
 def guard_time(node: BusNode) -> int:
     """Return the period at which a node without heartbeat is polled."""
-    return 0 if heartbeat(node) else _number(node, _GUARD_TIME)
+    return 0 if heartbeat(node) else node.device.number(_GUARD_TIME) or 0
 
 
 def heartbeat_timeout(node: BusNode) -> int:
@@ -32,10 +32,4 @@ def heartbeat_timeout(node: BusNode) -> int:
         return round(node.heartbeat_timeout * 1000)
     if heartbeat(node):
         return _PERIODS * period
-    return (_number(node, _LIFE_TIME_FACTOR) or _PERIODS) * period
-
-
-def _number(node: BusNode, index: int) -> int:
-    variable = node.device.find(index)
-    value = None if variable is None else variable.current
-    return value if isinstance(value, int) else 0
+    return (node.device.number(_LIFE_TIME_FACTOR) or _PERIODS) * period

@@ -393,6 +393,12 @@ class Device(msgspec.Struct, frozen=True, dict=True, kw_only=True):
         """Find a variable by index and sub-index."""
         return self._by_number.get((index, subindex))
 
+    def number(self, index: int, subindex: int = 0) -> int | None:
+        """Return the current value of a variable, if it has one that is an integer."""
+        variable = self.find(index, subindex)
+        value = None if variable is None else variable.current
+        return value if isinstance(value, int) else None
+
     @property
     def vendor_id(self) -> int | None:
         """DeviceInfo's vendor number, else the identity object's."""
@@ -404,6 +410,4 @@ class Device(msgspec.Struct, frozen=True, dict=True, kw_only=True):
         return self._identity(self.info.product_number, 2)
 
     def _identity(self, declared: int | None, subindex: int) -> int | None:
-        variable = self.find(0x1018, subindex)
-        current = None if variable is None else variable.current
-        return current if declared is None and isinstance(current, int) else declared
+        return self.number(0x1018, subindex) if declared is None else declared

@@ -135,9 +135,7 @@ def _default(pdo: Pdo, device: Device) -> Pdo:
 
 def identity_of(device: Device, subindex: int) -> int | None:
     """A number of the identity: 1018h's, else (sub-indices 1 to 3) DeviceInfo's."""
-    variable = device.find(_IDENTITY, subindex)
-    current = None if variable is None else variable.current
-    if isinstance(current, int) and current:
+    if current := device.number(_IDENTITY, subindex):
         return current
     info = device.info
     numbers = (info.vendor_number, info.product_number, info.revision_number)

@@ -309,10 +309,8 @@ class _Reader:
         settings = {key: node[key] for key in _NODE_SETTINGS if key in node}
         common_stops = self._toml.content["device"][kind.name].get("emergency_stop", [])
         settings["emergency_stop"] = ",".join(node.get("emergency_stop", common_stops))
-        boot_time = device.find(*_BOOT_TIME)
-        declared = None if boot_time is None else boot_time.current
-        if isinstance(declared, int) and declared:
-            settings.setdefault("boot_timeout", min(declared / 1000, _MAX_SECONDS))
+        if boot_time := device.number(*_BOOT_TIME):
+            settings.setdefault("boot_timeout", min(boot_time / 1000, _MAX_SECONDS))
         return BusNode(
             name=name,
             id=node["id"],

@@ -11,7 +11,6 @@ from rtgen.compiler.frontends.bus import rules
 from rtgen.compiler.frontends.bus.values import BadValueError, configured
 from rtgen.compiler.layouts.can_services import sync_cob_id, uses_sync
 from rtgen.compiler.model.can_bus import BusNode
-from rtgen.compiler.model.canopen import Variable
 from rtgen.facts.canopen import NO_RTR, SYNC
 from rtgen.facts.cob_ids import COB_ID_SYNC, configurable
 from rtgen.facts.write_order import OVERFLOW, PERIOD
@@ -38,16 +37,16 @@ def synchronised(
 
     `counter` is the highest SYNC counter, 0 for none. Reports what cannot be written.
     """
-    produces = sync_cob_id(node) & NO_RTR and _number(node, PERIOD)
+    produces = sync_cob_id(node) & NO_RTR and node.device.number(*PERIOD)
     deaf = uses_sync(node) and sync_cob_id(node) & _IDENTIFIER != cob_id
     if deaf or produces:
         what = f"hears SYNC on {sync_cob_id(node) & _IDENTIFIER:X}h"
         if produces:
             what = "sends SYNC, too"
         node = _with(node, COB_ID_SYNC, cob_id, what, f"{cob_id:X}h", report)
-    overflow = node.device.find(*OVERFLOW)
-    if overflow is not None and _number(node, OVERFLOW) != counter:
-        what = f"expects the SYNC counter {_number(node, OVERFLOW)}"
+    overflow = node.device.number(*OVERFLOW) or 0
+    if node.device.find(*OVERFLOW) is not None and overflow != counter:
+        what = f"expects the SYNC counter {overflow}"
         node = _with(node, OVERFLOW, counter, what, str(counter), report)
     return node
 
@@ -77,9 +76,3 @@ def _with(
 def _is_chosen(node: BusNode, number: tuple[int, int]) -> bool:
     variable = node.device.find(*number)
     return variable is not None and variable.value is not None
-
-
-def _number(node: BusNode, number: tuple[int, int]) -> int:
-    variable: Variable | None = node.device.find(*number)
-    current = None if variable is None else variable.current
-    return current if isinstance(current, int) else 0

@@ -119,9 +119,8 @@ def _parts(code: int) -> tuple[float, int, int]:
 
 
 def _number(device: Device, number: tuple[int, int]) -> int:
-    variable = device.find(*number)
-    value = None if variable is None else variable.current
-    if not isinstance(value, int) or value <= 0:
+    value = device.number(*number)
+    if value is None or value <= 0:
         name = f"{number[0]:04X}h" + (f":{number[1]:X}" if number[1] else "")
         raise NoFactorError(f"{name} has no value above 0")
     return value
