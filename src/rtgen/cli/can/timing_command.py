@@ -12,10 +12,10 @@ from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.run_table import with_run_table
 from rtgen.compiler.backends.canopen.reports import timing_text
-from rtgen.compiler.frontends.eds.information import BIT_RATES
 from rtgen.compiler.kit.translation import translated_word
 from rtgen.compiler.layouts.can_messages import messages
 from rtgen.compiler.layouts.can_timing import Timing, load, response_times
+from rtgen.compiler.model.canopen import BIT_RATES
 from rtgen.tools.can.project_bus import listed, project_buses
 from rtgen.tools.can.writing_rates import writings
 from rtgen.tools.kit.console import Console, write_out, write_text

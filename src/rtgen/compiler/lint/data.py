@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 
 from rtgen.compiler.diagnostics import Diagnostic, Related
 from rtgen.compiler.lint import rules
@@ -45,7 +45,7 @@ def _ports(context: Context) -> Iterator[tuple[Component, Port]]:
 def any_in_ports(context: Context) -> Iterator[Diagnostic]:
     """Report data ports whose type contains an `any`, so that the transmitted type is unknown."""
     for _, port in _ports(context):
-        field = _any_in(context, port.type, set())
+        _, field = _found_in(context, port.type, _any, set())
         if field is not None:
             yield rules.ANY_IN_PORT.at(
                 port.span,
@@ -55,32 +55,38 @@ def any_in_ports(context: Context) -> Iterator[Diagnostic]:
             )
 
 
-def _any_in(
-    context: Context, type_: Type, seen: set[ScopedName]
-) -> Member | Case | None:
-    """Return the field that is or contains an `any`."""
-    while isinstance(type_, SequenceType | ArrayType):
-        type_ = type_.element
-    plain = context.model.unalias(type_)
-    if isinstance(plain, SequenceType | ArrayType):
-        return _any_in(context, plain, seen)
-    if not isinstance(plain, NamedType) or plain.name in seen:
-        return None
-    seen.add(plain.name)
-    for field in fields(context.model.find(plain.name)):
-        if _is_any(context, field.type):
-            return field
-        field_found = _any_in(context, field.type, seen)
-        if field_found is not None:
-            return field_found
-    return None
+def _any(context: Context, type_: Type) -> str | None:
+    return "any" if _element(context, type_) == PrimitiveType(Primitive.ANY) else None
 
 
-def _is_any(context: Context, type_: Type) -> bool:
+def _element(context: Context, type_: Type) -> Type:
+    """Return the type of the elements of arrays and sequences, without aliases."""
     plain = context.model.unalias(type_)
     while isinstance(plain, SequenceType | ArrayType):
         plain = context.model.unalias(plain.element)
-    return plain == PrimitiveType(Primitive.ANY)
+    return plain
+
+
+def _found_in(
+    context: Context,
+    type_: Type,
+    judge: Callable[[Context, Type], str | None],
+    seen: set[ScopedName],
+) -> tuple[str | None, Member | Case | None]:
+    """Return what is found in a type, and the innermost field that is it.
+
+    The field is None for the type itself, the first item if there is nothing.
+    """
+    what = judge(context, type_)
+    plain = _element(context, type_)
+    if what is not None or not isinstance(plain, NamedType) or plain.name in seen:
+        return what, None
+    seen.add(plain.name)
+    for field in fields(context.model.find(plain.name)):
+        what, inner = _found_in(context, field.type, judge, seen)
+        if what is not None:
+            return what, inner or field
+    return None, None
 
 
 def times_of_ports(context: Context) -> Iterator[Diagnostic]:
@@ -138,9 +144,8 @@ def unbounded_on_boards(context: Context) -> Iterator[Diagnostic]:
     if context.target != _SMALL:
         return
     for _, port in _ports(context):
-        unbounded = _unbounded_in(context, port.type, set())
-        if unbounded is not None:
-            what, field = unbounded
+        what, field = _found_in(context, port.type, _unbounded, set())
+        if what is not None:
             inside = "" if field is None else f" in {field.name}"
             yield rules.UNBOUNDED_ON_BOARD.at(
                 port.span,
@@ -148,26 +153,6 @@ def unbounded_on_boards(context: Context) -> Iterator[Diagnostic]:
                 related=[] if field is None else [Related(field.span, "here")],
                 hint="a board reserves the number of elements given by [small]; declare a bound",
             )
-
-
-def _unbounded_in(
-    context: Context, type_: Type, seen: set[ScopedName]
-) -> tuple[str, Member | Case | None] | None:
-    """Return the unbounded part of a type, and its field; None for the type itself."""
-    what = _unbounded(context, type_)
-    if what is not None:
-        return what, None
-    plain = context.model.unalias(type_)
-    while isinstance(plain, SequenceType | ArrayType):
-        plain = context.model.unalias(plain.element)
-    if not isinstance(plain, NamedType) or plain.name in seen:
-        return None
-    seen.add(plain.name)
-    for field in fields(context.model.find(plain.name)):
-        unbounded = _unbounded_in(context, field.type, seen)
-        if unbounded is not None:
-            return unbounded[0], unbounded[1] or field
-    return None
 
 
 def missing_enumerators(context: Context) -> Iterator[Diagnostic]:

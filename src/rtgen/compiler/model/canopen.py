@@ -30,6 +30,14 @@ from rtgen.facts.canopen import DataType as DataType
 from rtgen.facts.canopen import nearest_zero
 from rtgen.facts.cob_ids import Standing, service_of, standing
 
+MAPPINGS = frozenset(
+    first + number for first in (RPDO_MAPPING, TPDO_MAPPING) for number in range(PDOS)
+)
+"""The indices of the mapping parameters of PDOs."""
+
+BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
+"""CiA 301's bit rates in kbit/s (table 1), each with a key in a description."""
+
 
 class ObjectType(IntEnum):
     """Kinds of entries of the object dictionary (CiA 301, table 42)."""

@@ -10,14 +10,14 @@ from __future__ import annotations
 
 import math
 import re
-import struct
 from collections.abc import Iterator, Mapping, Sequence
 from types import MappingProxyType
 from typing import TypeAlias
 
-from rtgen.compiler.backends.canopen.portable_eds import Portable
+from rtgen.compiler.backends.canopen.portable_eds import LISTS, Portable, bits_text
 from rtgen.compiler.backends.kit.quoting.properties import eds_line
 from rtgen.compiler.model.canopen import (
+    BIT_RATES,
     SIGNED,
     Commissioning,
     DataType,
@@ -31,17 +31,9 @@ from rtgen.compiler.model.canopen import (
     Variable,
 )
 
-BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
-"""CiA 301's bit rates in kbit/s, each with a key in the file."""
-
-LISTS = ("MandatoryObjects", "OptionalObjects", "ManufacturerObjects")
 _MANDATORY = (0x1000, 0x1001, 0x1018)
 _SUB_OBJECT = re.compile(r"[0-9A-F]{4}sub[0-9A-F]+")
 _MANUFACTURER = range(0x2000, 0x6000)
-_REALS: Mapping[int, tuple[str, str]] = {
-    DataType.REAL32: ("<f", "<I"),
-    DataType.REAL64: ("<d", "<Q"),
-}
 _EXACT = 2.0**53
 """The largest integer up to which REAL64 represents every integer."""
 _SIMPLE_DUMMIES = range(1, 8)
@@ -236,9 +228,7 @@ def value_text(value: Value | None, data_type: int) -> str | None:
         case NodeRelative():
             return str(value)
         case float() if not math.isfinite(value):
-            real, bits = _REALS[data_type]
-            [number] = struct.unpack(bits, struct.pack(real, value))
-            return f"0x{number:X}"
+            return bits_text(value, data_type)
         case float() if (
             value.is_integer() and abs(value) < _EXACT and str(value) != "-0.0"
         ):

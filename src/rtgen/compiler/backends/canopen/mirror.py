@@ -156,30 +156,16 @@ def _members(thing: Object, shift: int) -> Iterator[Variable]:
 
 def _received(variable: Variable, highest: int) -> Variable:
     """Return a communication parameter of a TPDO, converted to one of an RPDO."""
-    match variable.subindex:
-        case 0:
-            return replace(
-                variable,
-                default=_at_most(variable.default, highest),
-                value=_at_most(variable.value, highest),
-            )
-        case _ if variable.subindex == _COB_ID:
-            return replace(
-                variable,
-                default=_without_rtr(variable.default),
-                value=_without_rtr(variable.value),
-            )
-        case _ if variable.subindex == _TRANSMISSION:
-            return replace(
-                variable,
-                default=_unasked(variable.default),
-                value=_unasked(variable.value),
-            )
-    return variable
 
+    def at_most(value: Value | None) -> Value | None:
+        return min(value, highest) if isinstance(value, int) else value
 
-def _at_most(value: Value | None, highest: int) -> Value | None:
-    return min(value, highest) if isinstance(value, int) else value
+    conversions = {0: at_most, _COB_ID: _without_rtr, _TRANSMISSION: _unasked}
+    convert = conversions.get(variable.subindex)
+    if convert is None:
+        return variable
+    default, value = convert(variable.default), convert(variable.value)
+    return replace(variable, default=default, value=value)
 
 
 def _without_rtr(value: Value | None) -> Value | None:

@@ -15,10 +15,8 @@ from typing import Final
 
 from rtgen.compiler.model.canopen import (
     BITS,
-    PDOS,
-    RPDO_MAPPING,
+    MAPPINGS,
     SIGNED,
-    TPDO_MAPPING,
     UNSIGNED,
     DataType,
     Device,
@@ -33,14 +31,8 @@ MARK: Final = "; rtgen: "
 """The mark of a line in a comment."""
 
 _OBJECT = re.compile(r"([0-9A-F]{4})(?:sub([0-9A-F]{1,2}))?")
-_PLAIN = (
-    "FileInfo",
-    "DeviceInfo",
-    "DeviceComissioning",
-    "DummyUsage",
-    "Comments",
-)
-_LISTS = ("MandatoryObjects", "OptionalObjects", "ManufacturerObjects")
+_PLAIN = ("FileInfo", "DeviceInfo", "DeviceComissioning", "DummyUsage", "Comments")
+LISTS = ("MandatoryObjects", "OptionalObjects", "ManufacturerObjects")
 _RATE = re.compile(r"BaudRate_(?!(?:10|20|50|125|250|500|800|1000)$)")
 _NOT_OF_OBJECTS = ("Unit", "Factor", "Description")
 _REALS: Mapping[int, tuple[str, str]] = {
@@ -50,9 +42,6 @@ _REALS: Mapping[int, tuple[str, str]] = {
 _FIRST_OBJECT = 0x1000
 _PROFILE_AREA = 0x2000
 _KNOWN = frozenset(map(int, DataType))
-_MAPPINGS = frozenset(
-    first + number for first in (RPDO_MAPPING, TPDO_MAPPING) for number in range(PDOS)
-)
 _LIMITS = dict.fromkeys(("LowLimit", "HighLimit"), "")
 _VALUES = _LIMITS | dict.fromkeys(("DefaultValue", "ParameterValue"), "")
 _NODES = 127
@@ -69,7 +58,7 @@ class Portable:
 
     def lines(self, name: str, pairs: Sequence[tuple[str, str]]) -> Iterator[str]:
         """Yield the lines of a section."""
-        if name in _LISTS:
+        if name in LISTS:
             yield from self._list(name, pairs)
             return
         match = _OBJECT.fullmatch(name)
@@ -128,7 +117,7 @@ class Portable:
                 )
                 hidden |= _LIMITS if is_count else _VALUES
                 hidden["DataType"] = f"0x{type_:04X}"
-            if match[2] is not None and index in _MAPPINGS:
+            if match[2] is not None and index in MAPPINGS:
                 hidden |= self._mapped(variable)
         return hidden
 
@@ -163,8 +152,11 @@ def _values(variable: Variable) -> dict[str, str]:
     values = {"DefaultValue": variable.default, "ParameterValue": variable.value}
     code = variable.data_type
     if code in _REALS:
-        bits = {key: _bits(value, code) for key, value in values.items()}
-        return _LIMITS | {key: text for key, text in bits.items() if text}
+        return _LIMITS | {
+            key: bits_text(value, code)
+            for key, value in values.items()
+            if isinstance(value, float) and value
+        }
     low, high = _range(code)
     if low is None or high is None:
         return _LIMITS
@@ -206,10 +198,8 @@ def _fits(value: Value | None, low: int, high: int) -> bool:
     )
 
 
-def _bits(value: Value | None, code: int) -> str:
-    """Return a real number other than 0 by its bits."""
-    if not isinstance(value, float) or not value:
-        return ""
+def bits_text(value: float, code: int) -> str:
+    """Return a real number by its bits."""
     real, bits = _REALS[code]
     [number] = struct.unpack(bits, struct.pack(real, value))
     return f"0x{number:X}"

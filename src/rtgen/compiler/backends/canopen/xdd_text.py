@@ -11,7 +11,8 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
-from rtgen.compiler.backends.canopen.eds_text import LISTS, sections
+from rtgen.compiler.backends.canopen.eds_text import sections
+from rtgen.compiler.backends.canopen.portable_eds import LISTS
 from rtgen.compiler.backends.kit.quoting.xml import xml_comment
 from rtgen.compiler.kit import xml_text
 from rtgen.compiler.model.canopen import Access, DataType, Device

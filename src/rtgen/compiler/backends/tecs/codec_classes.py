@@ -6,7 +6,7 @@ the methods.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
@@ -119,8 +119,7 @@ def record_codec(record: Record, structs: Sequence[str]) -> CodecClass:
     )
     write = encoder.body(record.steps)
     scope = Scope(record.items, attributes.classes)
-    names = {item.name: scope.of(item) for item in record.items}
-    environment = Environment(scope, record.items, names)
+    environment = Environment(scope, record.items)
     decoder = Decoder(attributes, scope, environment, lambda item: None, {})
     lines = decoder.body(record.steps)
     values = ", ".join(_value(scope, item) for item in record.items)
@@ -228,20 +227,16 @@ class FunctionCodec:
         types = _tuple_type([item_annotation(item) for item in layout.outs])
         return [_method("unset", parameters, types, [f"return {_tuple(values)}"])]
 
-    def _constants(self) -> dict[Role, str]:
-        return {Role.SOP: "SOP_REQUEST", Role.ID: "self.id", Role.EOP: self._eop}
-
     def _encode_request(self) -> Method:
         layout = self._layout
         scope = Scope(layout.items, self._attributes.classes)
-        names = {item.name: scope.of(item) for item in layout.items}
         encoder = Encoder(
             self._attributes,
             scope,
-            Environment(scope, layout.items, names),
+            Environment(scope, layout.items),
             scope.of,
             lambda item: f"{scope.of(item)} is not None",
-            self._constants(),
+            {Role.SOP: "SOP_REQUEST", Role.ID: "self.id", Role.EOP: self._eop},
         )
         body = encoder.body(layout.request)
         parameters = [
@@ -257,8 +252,7 @@ class FunctionCodec:
     def _read_request(self) -> Method:
         layout = self._layout
         scope = Scope(layout.items, self._attributes.classes)
-        names = {item.name: scope.of(item) for item in layout.items}
-        environment = Environment(scope, layout.items, names)
+        environment = Environment(scope, layout.items)
         decoder = Decoder(
             self._attributes,
             scope,
@@ -296,13 +290,12 @@ class FunctionCodec:
             )
             for item in layout.kept
         }
-        values = {item.name: scope.of(item) for item in layout.items}
         given = {
             item.name: kept.get(item.name, scope.of(item))
             for item in layout.arguments
             if item.inward
         }
-        return scope, kept, Environment(scope, layout.items, values, given)
+        return scope, kept, Environment(scope, layout.items, given=given)
 
     def _kept_parameters(self, kept: dict[str, str]) -> list[str]:
         return [
@@ -329,7 +322,8 @@ class FunctionCodec:
             constants,
         )
         results = [] if layout.is_void else [layout.returned]
-        values = dict(_kept_values(kept))
+        # The names of the kept values in error messages.
+        values = {name: value for name, value in kept.items() if name == value}
         values |= {i.name or "return": scope.of(i) for i in [*results, *layout.outs]}
         parameters = self._kept_parameters(kept)
         parameters += [
@@ -396,11 +390,6 @@ def _argument_error(values: Mapping[str, str]) -> str:
     """Return the exception for a value that cannot be sent."""
     shown = ", ".join(f"{string_literal(k)}: {v}" for k, v in values.items())
     return f"argument_error(self.function, failure, {{{shown}}})"
-
-
-def _kept_values(kept: dict[str, str]) -> Iterable[tuple[str, str]]:
-    """Return the kept values by their names in error messages."""
-    return ((name, value) for name, value in kept.items() if name == value)
 
 
 def _first_run(steps: Sequence[Step]) -> Run:

@@ -99,7 +99,8 @@ class Scope:
         self._taken = {*_RESERVED, *classes}
         for item in items:
             self._names[item.name] = self.new(item.name) if item.name else "returned"
-        self._loops = numbers(1)
+        self.loops = numbers(1)
+        """Numbers for the variables of loops."""
 
     def new(self, name: str) -> str:
         """Return an unused name."""
@@ -111,30 +112,25 @@ class Scope:
         """Return the name of a parameter's or member's value."""
         return self._names[item.name]
 
-    @property
-    def loops(self) -> numbers[int]:
-        """Numbers for the variables of loops."""
-        return self._loops
-
 
 class Environment:
     """The values from which the sizes of a message are computed.
 
-    `values` are the expressions of the values by name; `given` those of the request if the message
-    is a reply. A computed size gets a variable of its own.
+    `values` are the expressions of the values by name, by default the names in `scope`; `given`
+    those of the request if the message is a reply. A computed size gets a variable of its own.
     """
 
     def __init__(
         self,
         scope: Scope,
         items: Sequence[Item],
-        values: Mapping[str, str],
+        values: Mapping[str, str] | None = None,
         given: Mapping[str, str] | None = None,
     ) -> None:
         self._scope = scope
         self._statements: list[str] = []
         self._items = {item.name: item for item in items}
-        self._values = values
+        self._values = values or {item.name: scope.of(item) for item in items}
         self._given = given
         self.is_guarded = False
 

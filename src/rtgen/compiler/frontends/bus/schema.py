@@ -9,9 +9,9 @@ import re
 from collections.abc import Iterator
 from typing import Any
 
-from rtgen.compiler.frontends.eds.information import BIT_RATES
 from rtgen.compiler.frontends.kit.located_toml import Path
 from rtgen.compiler.frontends.kit.suggestions import nearest
+from rtgen.compiler.model.canopen import BIT_RATES
 
 _OBJECT = "^[0-9A-Fa-f]{4}(:[0-9A-Fa-f]{1,2})?$"
 _NAME = "^[A-Za-z_][A-Za-z0-9_]*$"

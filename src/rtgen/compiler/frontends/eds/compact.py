@@ -14,9 +14,7 @@ from rtgen.compiler.frontends.eds.outline import ObjectSections
 from rtgen.compiler.frontends.eds.rules import objects as rules
 from rtgen.compiler.frontends.eds.variables import VariableReader
 from rtgen.compiler.model.canopen import (
-    PDOS,
-    RPDO_MAPPING,
-    TPDO_MAPPING,
+    MAPPINGS,
     Access,
     DataType,
     Object,
@@ -25,9 +23,6 @@ from rtgen.compiler.model.canopen import (
 )
 
 MAX_SUBINDEX = 254
-_MAPPINGS = frozenset(
-    first + number for first in (RPDO_MAPPING, TPDO_MAPPING) for number in range(PDOS)
-)
 
 
 def expand(
@@ -58,7 +53,7 @@ def expand(
     if one is None:
         return {}
     # A mapping is changed by writing its sub-index 0 (CiA 301, 7.5.2.36), so that is writable.
-    mapping = index in _MAPPINGS and one.access.writable
+    mapping = index in MAPPINGS and one.access.writable
     first = Variable(
         index=index,
         subindex=0,

@@ -10,10 +10,13 @@ from rtgen.compiler.frontends.eds.lists import check_count
 from rtgen.compiler.frontends.eds.numbers import number, parse
 from rtgen.compiler.frontends.eds.outline import COMMISSIONING, LISTS, PLAIN, Outline
 from rtgen.compiler.frontends.eds.rules import information
-from rtgen.compiler.model.canopen import BITS, Commissioning, DeviceInfo, FileInfo
-
-BIT_RATES = (10, 20, 50, 125, 250, 500, 800, 1000)
-"""CiA 301's bit rates in kbit/s (table 1)."""
+from rtgen.compiler.model.canopen import (
+    BIT_RATES,
+    BITS,
+    Commissioning,
+    DeviceInfo,
+    FileInfo,
+)
 
 _U8, _U16, _U32 = 0xFF, 0xFFFF, 0xFFFFFFFF
 _DATE = re.compile(r"(?:0?[1-9]|1[0-2])-(?:0?[1-9]|[12][0-9]|3[01])-[0-9]{4}")

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Collection
 from difflib import get_close_matches
-from operator import ne
 from typing import Final
 
 from rtgen.compiler.diagnostics import Span
@@ -14,7 +13,7 @@ from rtgen.compiler.frontends.eds.ini import Document, Entry, Section
 from rtgen.compiler.frontends.eds.numbers import number, parse
 from rtgen.compiler.frontends.eds.outline import LISTS, PLAIN, Outline
 from rtgen.compiler.frontends.eds.rules import information, lexical
-from rtgen.compiler.frontends.kit.suggestions import nearest
+from rtgen.compiler.frontends.kit.suggestions import differ_in_one, nearest
 from rtgen.compiler.model.canopen import Object
 
 MANDATORY = (0x1000, 0x1001, 0x1018)
@@ -97,15 +96,11 @@ def _meant(name: str, missing: Collection[str]) -> str | None:
         return None
     rest = f"sub{sub.translate(_DIGITS).upper()}" if middle else ""
     if _INDEX.fullmatch(index) is None:
-        near = [each for each in missing if _differ_in_one(each, index)]
+        near = [each for each in missing if differ_in_one(each, index)]
         if len(near) != 1:
             return None
         index = near[0]
     return f"{index}{rest}" if f"{index}{rest}" != name else None
-
-
-def _differ_in_one(one: str, other: str) -> bool:
-    return len(one) == len(other) and sum(map(ne, one, other)) == 1
 
 
 def check(

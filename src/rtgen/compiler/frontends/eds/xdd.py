@@ -20,7 +20,7 @@ from rtgen.compiler.frontends.eds.outline import LISTS, PLAIN
 from rtgen.compiler.frontends.eds.rules import lexical
 from rtgen.compiler.frontends.eds.rules import xml as rules
 from rtgen.compiler.frontends.eds.xdd_objects import Parameters, variable
-from rtgen.compiler.frontends.eds.xml_elements import Elements, line, place
+from rtgen.compiler.frontends.eds.xml_elements import Elements, line
 from rtgen.compiler.frontends.kit import located_xml
 from rtgen.compiler.frontends.kit.located_xml import Element
 from rtgen.compiler.typemap.canopen.xdd import (
@@ -214,7 +214,7 @@ class _Reader(msgspec.Struct, eq=False):
                 continue
             name = list_of(index)
             counts[name] += 1
-            at = place(element, "index")
+            at = element.place("index")
             self._add(lists[name], str(counts[name]), f"0x{index:04X}", at)
             own = parameters.of(element)
             self._fill(head, variable(element, own, parameters))

@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Iterator, Sequence
 
-from rtgen.compiler.diagnostics import Span
 from rtgen.compiler.frontends.eds.findings import Findings
 from rtgen.compiler.frontends.eds.rules import xml as rules
 from rtgen.compiler.frontends.kit.located_xml import Element
@@ -17,11 +16,6 @@ _LINE_ENDS = re.compile(r"[^\S\r\n]*[\r\n\v\f\x1c-\x1e\x85\u2028\u2029]\s*")
 def line(text: str) -> str:
     """Return a text as one line, without white space around it."""
     return _LINE_ENDS.sub(" ", text.strip())
-
-
-def place(element: Element, attribute: str) -> Span:
-    """Return the place of an attribute, or else of the element."""
-    return element.place(attribute)
 
 
 class Elements:

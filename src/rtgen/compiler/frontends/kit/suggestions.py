@@ -51,11 +51,12 @@ def nearest(word: str, candidates: Iterable[str]) -> str | None:
 
     matches = get_close_matches(word, choices, n=_COMPARED, cutoff=0.7)
     # One other letter is likelier than one that is missing.
-    alike = [each for each in matches if _differ_in_one(each, word)]
+    alike = [each for each in matches if differ_in_one(each, word)]
     return next(iter((*alike, *matches)), None)
 
 
-def _differ_in_one(one: str, other: str) -> bool:
+def differ_in_one(one: str, other: str) -> bool:
+    """Return whether two words of one length differ in one letter."""
     return len(one) == len(other) and sum(map(ne, one, other)) == 1
 
 
