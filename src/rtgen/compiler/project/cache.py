@@ -16,12 +16,12 @@ from functools import cache
 from hashlib import sha256
 from importlib.util import find_spec
 from pathlib import Path
-from typing import TYPE_CHECKING, TypeAlias, TypedDict
+from typing import TYPE_CHECKING
 
 import msgspec
+from msgspec.structs import replace
 
-from rtgen.compiler.backends import Artifact, ComponentTypes, Owner
-from rtgen.compiler.diagnostics import Diagnostic, Related, Severity, Span
+from rtgen.compiler.backends import Artifact
 from rtgen.compiler.kit import stages, stored_files
 from rtgen.compiler.kit.own_files import (
     compiler_folders,
@@ -29,7 +29,7 @@ from rtgen.compiler.kit.own_files import (
     stamp,
     stamp_of,
 )
-from rtgen.compiler.project.compilation import Compilation, Declared
+from rtgen.compiler.project.compilation import Compilation
 from rtgen.compiler.project.kinds import is_component_profile
 from rtgen.compiler.project.loading import Project
 from rtgen.facts.files import MAX_BYTES, read_start
@@ -37,26 +37,9 @@ from rtgen.facts.files import MAX_BYTES, read_start
 if TYPE_CHECKING:
     from importlib import metadata
 
-_FORMAT = "rtgen-run/5"
+_FORMAT = "rtgen-run/6"
 _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 """Libraries whose versions affect the output."""
-
-_Place: TypeAlias = tuple[str, int, int, int, int]
-_Finding: TypeAlias = tuple[
-    str, Severity, str, _Place | None, list[tuple[_Place, str]], str | None
-]
-
-
-class _Entry(TypedDict):
-    """The content of an entry; one of another form is ignored."""
-
-    artifacts: list[tuple[str, str, tuple[str, ...], Owner]]
-    inputs: dict[str, str]
-    diagnostics: list[_Finding]
-    dependencies: dict[str, str | None]
-    sources: dict[str, str]
-    components: tuple[dict[str, str], dict[str, str]]
-    declared: list[tuple[str, str, _Place]]
 
 
 def _searched(project: Project) -> list[str]:
@@ -157,43 +140,31 @@ class Cache:
         if digest != sha256(payload).hexdigest().encode():
             return None
         try:
-            entry = msgspec.json.decode(payload, type=_Entry)
+            run = msgspec.json.decode(payload, type=Compilation)
         except ValueError:
             return None
-        dependencies = entry["dependencies"]
-        if any(hash_of(Path(path)) != digest for path, digest in dependencies.items()):
+        if any(hash_of(Path(path)) != d for path, d in run.dependencies.items()):
             return None
         with contextlib.suppress(OSError):
             os.utime(file)  # for `_trim`
-        return Compilation(
-            artifacts=tuple(Artifact(*artifact) for artifact in entry["artifacts"]),
-            inputs=entry["inputs"],
-            diagnostics=tuple(map(_diagnostic, entry["diagnostics"])),
-            dependencies=dependencies,
-            sources=entry["sources"],
-            components=ComponentTypes(*entry["components"]),
-            declared=tuple(
-                Declared(key, name, Span(*at)) for key, name, at in entry["declared"]
-            ),
+        return replace(
+            run, artifacts=tuple(run.artifacts), declared=tuple(run.declared)
         )
 
     def store(self, key: str, run: Compilation) -> None:
         """Store a run without errors, unless the folder is read-only or another user's."""
-        entry = {
-            "artifacts": [[a.path, a.text, a.origin, a.owner] for a in run.artifacts],
-            "inputs": dict(run.inputs),
-            "diagnostics": [_diagnostic_entry(d) for d in run.diagnostics],
-            "dependencies": dict(run.dependencies),
-            "sources": {
-                f: t for f, t in run.sources.items() if f in _files_in_diagnostics(run)
-            },
-            "components": [
-                dict(run.components.factories),
-                dict(run.components.languages),
+        shown = _files_in_diagnostics(run)
+        entry = replace(
+            run,
+            artifacts=[
+                Artifact(a.path, a.text, a.origin, a.owner) for a in run.artifacts
             ],
-            "declared": [[d.key, d.name, _span_entry(d.span)] for d in run.declared],
-        }
-        payload = json.dumps(entry).encode()
+            sources={f: text for f, text in run.sources.items() if f in shown},
+        )
+        try:
+            payload = msgspec.json.encode(entry)
+        except UnicodeEncodeError:
+            return  # the name of a file is not text
         data = sha256(payload).hexdigest().encode() + b"\n" + payload
         stored_files.write(self._folder, self._file(key).name, data)
 
@@ -252,28 +223,3 @@ def _plugin(entry: metadata.EntryPoint) -> str:
     if spec.origin and not spec.submodule_search_locations:
         return _hash(stamp_of(spec.origin))
     return _hash(stamp(folders, skip=("__pycache__",)))
-
-
-def _diagnostic_entry(d: Diagnostic) -> list[object]:
-    related = [[_span_entry(r.span), r.label] for r in d.related]
-    return [d.code, d.severity, d.message, _span_entry(d.span), related, d.hint]
-
-
-def _diagnostic(entry: _Finding) -> Diagnostic:
-    code, severity, message, span, related, hint = entry
-    return Diagnostic(
-        code,
-        severity,
-        message,
-        None if span is None else Span(*span),
-        tuple(Related(Span(*place), label) for place, label in related),
-        hint,
-    )
-
-
-def _span_entry(span: Span | None) -> list[object] | None:
-    return (
-        None
-        if span is None
-        else [span.file, span.line, span.column, span.end_line, span.end_column]
-    )

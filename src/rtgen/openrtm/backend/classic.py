@@ -80,14 +80,6 @@ class Classic:
             self._visited.clear()
         return problem
 
-    def members(self, struct: Struct) -> list[tuple[Struct, int]]:
-        """Return the members including inherited ones, each with its struct and index in it."""
-        return [
-            (each, place)
-            for each in self._model.lineage(struct)
-            for place in range(len(each.members))
-        ]
-
     def _problems(self, declaration: Declaration) -> Iterator[str]:
         if declaration.annotation(OPAQUE) is not None:
             return
@@ -117,11 +109,10 @@ class Classic:
                 yield from self._in_valuetype(declaration)
 
     def _in_struct(self, struct: Struct) -> Iterator[str]:
-        members = self.members(struct)
+        members = self._model.members(struct)
         if not members:
             yield f"`{struct.scoped}` has no members"
-        for holder, place in members:
-            member = holder.members[place]
+        for member in members:
             if member.optional:
                 yield f"`{struct.scoped}` has the optional member `{member.name}`"
             yield from self._in_member(struct, member)

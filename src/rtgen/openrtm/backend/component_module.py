@@ -7,7 +7,11 @@ from dataclasses import dataclass
 from pathlib import PurePosixPath
 
 from rtgen.compiler.backends.components.locations import heading, summary
-from rtgen.compiler.backends.kit.python_text import fit_text, header_comment
+from rtgen.compiler.backends.kit.python_text import (
+    fit_text,
+    header_comment,
+    tuple_of,
+)
 from rtgen.compiler.backends.kit.quoting.python import (
     docstring,
     number_literal,
@@ -112,9 +116,9 @@ class _ComponentModule:
             header=header_comment(options.version, [source.key]),
             docstring=docstring(heading(component), 0),
             class_docstring=docstring(component.doc, 4, heading(component)),
-            places=_tuple(map(string_literal, places)),
+            places=tuple_of([*map(string_literal, places)]).flat,
             runtime=", ".join(names),
-            stubs=_tuple(map(string_literal, stems)) if stems else "",
+            stubs=tuple_of([*map(string_literal, stems)]).flat if stems else "",
             imports=sorted(imports),
             loaded=loaded,
             specification=self._specification_text(),
@@ -216,12 +220,10 @@ class _ComponentModule:
                 datum, member = self._datum(port), self._member(port, kind)
                 type_ = self._stub(self._theirs.stub_path(port.type.name))
                 yield f"self.{datum}: {type_} = wire.new({self._type(port.type)})"
-                port_text = (
-                    f"OpenRTM_aist.{kind}Port({_quoted(port.name)}, self.{datum})"
-                )
+                port_text = f"OpenRTM_aist.{kind}Port({string_literal(port.name)}, self.{datum})"
                 yield f"self.{member} = {port_text}"
         for service in plan.service_ports:
-            port_text = f"OpenRTM_aist.CorbaPort({_quoted(service.name)})"
+            port_text = f"OpenRTM_aist.CorbaPort({string_literal(service.name)})"
             yield f"self.{self._service_member(service)} = {port_text}"
             for interface in service.interfaces:
                 if not interface.provided:
@@ -285,19 +287,19 @@ class _ComponentModule:
     def _initialization(self) -> Iterator[str]:
         plan = self._plan
         for planned in plan.parameters:
-            name = _quoted(planned.parameter.name)
+            name = string_literal(planned.parameter.name)
             # An empty default would not be bound.
             default = self._parameters.default_text(planned.parameter) or " "
             yield (
                 f"self.bindParameter({name}, self.{self._variable(planned)}, "
-                f"{_quoted(default)}, host.parameter({name}))"
+                f"{string_literal(default)}, host.parameter({name}))"
             )
         for ports, kind in ((plan.in_ports, "In"), (plan.out_ports, "Out")):
             for port in ports:
                 member = f"self.{self._member(port, kind)}"
-                yield f"self.add{kind}Port({_quoted(port.name)}, {member})"
+                yield f"self.add{kind}Port({string_literal(port.name)}, {member})"
                 yield (
-                    f"host.{kind.lower()}_port({_quoted(port.port.name)}, {member}, "
+                    f"host.{kind.lower()}_port({string_literal(port.port.name)}, {member}, "
                     f"self.{self._datum(port)})"
                 )
         for service in plan.service_ports:
@@ -307,9 +309,9 @@ class _ComponentModule:
         port = f"self.{self._service_member(service)}"
         for interface in service.interfaces:
             member = f"self.{self._interface_member(interface)}"
-            type_ = _quoted(interface.type_name)
-            instance = _quoted(interface.port.instance)
-            place = f"{_quoted(service.port)}, {instance}"
+            type_ = string_literal(interface.type_name)
+            instance = string_literal(interface.port.instance)
+            place = f"{string_literal(service.port)}, {instance}"
             if interface.provided:
                 servant = self._servant(interface)
                 yield f"{member} = {servant}(host.servant({place}))"
@@ -318,7 +320,7 @@ class _ComponentModule:
                 yield f"{port}.registerConsumer({instance}, {type_}, {member})"
                 yield f"host.consumer({place}, {member})"
         if not all(interface.provided for interface in service.interfaces):
-            yield f"host.service_port({_quoted(service.port)}, {port})"
+            yield f"host.service_port({string_literal(service.port)}, {port})"
         yield f"self.addPort({port})"
 
     def _servant(self, interface: ServiceInterface) -> str:
@@ -334,16 +336,7 @@ class _ComponentModule:
         return self._servants[type_.scoped].name
 
 
-def _quoted(text: str) -> str:
-    return string_literal(text)
-
-
 def _literal(value: object) -> str:
     if isinstance(value, str):
         return string_literal(value)
     return number_literal(value) if isinstance(value, float) else repr(value)
-
-
-def _tuple(items: Iterator[str] | map[str]) -> str:
-    listed = list(items)
-    return f"({', '.join(listed)}{',' * (len(listed) == 1)})"

@@ -29,8 +29,8 @@ from rtgen.compiler.model import (
     PortKind,
     ScopedName,
     SourceFile,
+    graphs,
 )
-from rtgen.compiler.model.graphs import reached
 from rtgen.compiler.typemap.openrtm_ports import (
     OPENRTM_NAME,
     chosen_name,
@@ -119,10 +119,8 @@ class Unit:
                 name = f"{plain}_{number}"
             stems[name.casefold()] = module
             by_name[module] = IdlFile(name, module, tuple(files), stock)
-        ordered: dict[str, IdlFile] = {}
-        for module in by_name:
-            self._add(module, by_name, ordered)
-        return tuple(ordered.values())
+        needed = {m: [n for n in by_name if n in self._needs[m]] for m in by_name}
+        return tuple(by_name[module] for [module] in graphs.groups(needed))
 
     def needs(self, file: IdlFile) -> tuple[IdlFile, ...]:
         """Return the files used by a file's declarations, in order of `idl_files`."""
@@ -133,7 +131,7 @@ class Unit:
         """Return the files for types and interfaces of these names, each after its dependencies."""
         modules = implementation_modules(self.model)
         own = [modules[self.model.find(name).file] for name in names]
-        needed = reached(own, self._needs.__getitem__)
+        needed = graphs.reached(own, self._needs.__getitem__)
         return tuple(each for each in self.idl_files if each.module in needed)
 
     @cached_property
@@ -148,16 +146,6 @@ class Unit:
             others = {owners[name] for name in referred(declaration) if name in owners}
             needs.setdefault(own, set()).update(others - {own})
         return needs
-
-    def _add(
-        self, module: str, files: Mapping[str, IdlFile], ordered: dict[str, IdlFile]
-    ) -> None:
-        if module in ordered or module not in files:
-            return
-        for needed in files:
-            if needed in self._needs[module]:
-                self._add(needed, files, ordered)
-        ordered[module] = files[module]
 
 
 @dataclass(frozen=True, slots=True)

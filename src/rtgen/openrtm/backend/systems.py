@@ -10,7 +10,12 @@ from math import isfinite
 from msgspec.structs import replace
 
 from rtgen.compiler.backends import Artifact
-from rtgen.compiler.backends.kit.python_text import fit, header, header_comment
+from rtgen.compiler.backends.kit.python_text import (
+    fit,
+    header,
+    header_comment,
+    tuple_of,
+)
 from rtgen.compiler.backends.kit.quoting.code import HashComment
 from rtgen.compiler.backends.kit.quoting.properties import (
     Conf,
@@ -401,7 +406,8 @@ class _Writer:
         connections = [_connection_text(c) for c in self._connections]
         system = (
             f"SYSTEM = System(name={string_literal(self._name)}, "
-            f"instances={_tuple(instances)}, connections={_tuple(connections)})"
+            f"instances={tuple_of(instances).flat}, "
+            f"connections={tuple_of(connections).flat})"
         )
         has_data = any(not c.service for c in self._connections)
         return render(
@@ -475,7 +481,3 @@ def _connection_text(connection: Connection) -> str:
 def _mapping(pairs: Mapping[str, str], *first: str) -> str:
     items = (f"{string_literal(k)}: {string_literal(v)}" for k, v in pairs.items())
     return f"{{{', '.join((*first, *items))}}}"
-
-
-def _tuple(items: Sequence[str]) -> str:
-    return f"({', '.join(items)}{',' * (len(items) == 1)})"

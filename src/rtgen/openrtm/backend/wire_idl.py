@@ -155,9 +155,5 @@ class WireIdl:
                 id_ = opaque_id(declaration.scoped)
                 yield replace(declaration, repository_id=id_, members=(member,))
             else:
-                members = self._classic.members(declaration)
-                yield replace(
-                    declaration,
-                    base=None,
-                    members=tuple(struct.members[place] for struct, place in members),
-                )
+                members = self._model.members(declaration)
+                yield replace(declaration, base=None, members=tuple(members))

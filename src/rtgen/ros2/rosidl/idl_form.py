@@ -8,7 +8,7 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterator
-from typing import Final
+from typing import Final, NamedTuple
 
 from msgspec.structs import replace
 
@@ -57,14 +57,11 @@ def parts_of(text: str, file: str, name: tuple[str, str, str]) -> list[Part]:
     return _Reader(text, file, name).parts()
 
 
-class _Token:
-    __slots__ = ("kind", "line", "start", "text")
-
-    def __init__(self, kind: str, text: str, line: int, start: int) -> None:
-        self.kind = kind
-        self.text = text
-        self.line = line
-        self.start = start
+class _Token(NamedTuple):
+    kind: str
+    text: str
+    line: int
+    start: int
 
 
 def _tokens(text: str) -> Iterator[_Token]:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+from rtgen.compiler.backends.kit.python_text import tuple_of
 from rtgen.compiler.backends.kit.quoting.python import (
     Python,
     number_literal,
@@ -49,4 +50,4 @@ def call(callee: str, *arguments: str, **named_ones: str) -> Python:
 
 def items(texts: Sequence[str]) -> Python:
     """Return a tuple on one line."""
-    return Python(f"({', '.join(texts)}{',' if len(texts) == 1 else ''})")
+    return Python(tuple_of(texts).flat)

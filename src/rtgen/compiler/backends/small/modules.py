@@ -9,7 +9,7 @@ from typing import Any
 from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.components.base_module import attribute_names, class_names
 from rtgen.compiler.backends.components.locations import heading
-from rtgen.compiler.backends.kit.python_text import fit_text
+from rtgen.compiler.backends.kit.python_text import fit_text, tuple_of
 from rtgen.compiler.backends.kit.quoting.python import (
     Python,
     docstring,
@@ -284,5 +284,4 @@ def _default(
 
 
 def _slots(names: Sequence[str]) -> str:
-    literals = [string_literal(name) for name in names]
-    return f"({literals[0]},)" if len(literals) == 1 else f"({', '.join(literals)})"
+    return tuple_of([*map(string_literal, names)]).flat

@@ -10,6 +10,7 @@ from collections.abc import Iterator, Mapping, Sequence
 
 import msgspec
 
+from rtgen.compiler.backends.kit.python_text import tuple_of
 from rtgen.compiler.backends.kit.quoting.python import (
     Python,
     docstring,
@@ -195,7 +196,7 @@ class FunctionCodec:
         layout = self._layout
         kept = [str(layout.arguments.index(item)) for item in layout.kept]
         if kept:
-            yield "kept", f"({', '.join(kept)}{',' if len(kept) == 1 else ''})"
+            yield "kept", tuple_of(kept).flat
         results = len(layout.outs) + (not layout.is_void)
         if results:
             yield "results", str(results)
@@ -225,7 +226,9 @@ class FunctionCodec:
             for i, t in zip(layout.arguments, target_types(layout), strict=True)
         ]
         types = _tuple_type([item_annotation(item) for item in layout.outs])
-        return [_method("unset", parameters, types, [f"return {_tuple(values)}"])]
+        return [
+            _method("unset", parameters, types, [f"return {tuple_of(values).flat}"])
+        ]
 
     def _encode_request(self) -> Method:
         layout = self._layout
@@ -271,7 +274,7 @@ class FunctionCodec:
         types = [
             "bool" if item.asked else item_annotation(item) for item in layout.arguments
         ]
-        body = [*budget, *lines, f"return {_tuple(values)}"]
+        body = [*budget, *lines, f"return {tuple_of(values).flat}"]
         return _method(
             "read_request",
             ["more: More"],
@@ -373,7 +376,7 @@ class FunctionCodec:
         budget = (
             ["budget = ByteBudget(self.reply_limit)"] if decoder.needs_budget else []
         )
-        outs = _tuple([_value(scope, item) for item in layout.outs])
+        outs = tuple_of([_value(scope, item) for item in layout.outs]).flat
         returned = "None" if layout.is_void else "returned"
         body = [*budget, *lines, f"return {returned}, {outs}"]
         failure = _size_error(environment, "self.function")
@@ -410,11 +413,6 @@ def _split(steps: Sequence[Step]) -> tuple[Run, list[Step]]:
     run = _first_run(steps)
     rest = run.fields[2:]
     return Run(run.fields[:2]), [*([Run(rest)] if rest else []), *steps[1:]]
-
-
-def _tuple(values: Sequence[str]) -> str:
-    comma = "," if len(values) == 1 else ""
-    return f"({', '.join(values)}{comma})"
 
 
 def _tuple_type(types: Sequence[str]) -> str:

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import msgspec
 
+from rtgen.compiler.backends.kit.python_text import tuple_of
 from rtgen.compiler.backends.kit.quoting.python import docstring, string_literal
 from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.backends.types.calls import Calls
@@ -131,8 +132,7 @@ class Interfaces:
         marks: list[str] = [string_literal(name)] if name != python_name else []
         classes = [self._py.reference(r) for r in dict.fromkeys(raises)]
         if classes:
-            comma = "," if len(classes) == 1 else ""
-            marks.append(f"raises=({', '.join(classes)}{comma})")
+            marks.append(tuple_of(classes, "raises=").flat)
         if oneway:
             marks.append("oneway=True")
         return ", ".join(marks)

@@ -15,6 +15,7 @@ from rtgen.compiler.backends.kit.python_module import (
     import_blocks,
     relative_name,
 )
+from rtgen.compiler.backends.kit.python_text import tuple_of
 from rtgen.compiler.backends.kit.quoting.python import string_literal
 from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.model import Declaration, Enum, Interface, Model, ScopedName
@@ -157,7 +158,7 @@ def _lazy(package: Package, options: Options, path: str, exported: str) -> str:
         constants=constants,
         homes=", ".join(
             f"{string_literal(relative_name(module, options.package, path))}: "
-            f"({', '.join(map(string_literal, names))}{',' * (len(names) == 1)})"
+            f"{tuple_of([*map(string_literal, names)]).flat}"
             for module, names in homes.items()
         ),
         exported=exported,
