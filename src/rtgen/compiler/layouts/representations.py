@@ -40,7 +40,8 @@ class Representations:
         self, model: Model, xcdr2: bool = False, extensibility: str = "final"
     ) -> None:
         self._model = model
-        self._xcdr2 = xcdr2
+        self.are_xcdr2 = xcdr2
+        """Whether typedefs are XCDR2."""
         self._extensibility = Extensibility(extensibility)
         self._names = {d.name for d in model.declarations}
 
@@ -64,12 +65,7 @@ class Representations:
             word = str(value).upper().rpartition("::")[2]
             if word in ("XCDR", "XCDR1", "XCDR2"):
                 return word == "XCDR2"
-        return self._xcdr2 and declaration.name in self._names
-
-    @property
-    def are_xcdr2(self) -> bool:
-        """Whether typedefs are XCDR2."""
-        return self._xcdr2
+        return self.are_xcdr2 and declaration.name in self._names
 
     def missing(self, type_: Type) -> str | None:
         """Return the part of the type that XCDR cannot represent; None if there is none."""

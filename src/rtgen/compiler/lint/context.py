@@ -3,9 +3,11 @@
 from __future__ import annotations
 
 import re
+from collections import Counter
 from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import chain
 from typing import Any
 
 from rtgen.compiler.model import (
@@ -59,6 +61,11 @@ class Context:
             name: _WORD.findall(_NO_CODE.sub(" ", text))
             for name, text in self.sources.items()
         }
+
+    @cached_property
+    def count(self) -> Counter[str]:
+        """How often each identifier occurs in all files."""
+        return Counter(chain.from_iterable(self.words.values()))
 
 
 def fields(declaration: Declaration) -> Iterator[Member | Case]:

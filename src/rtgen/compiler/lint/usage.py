@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import re
-from collections import Counter
 from collections.abc import Iterator, Mapping
 from pathlib import PurePosixPath
 
@@ -96,9 +95,7 @@ def types(context: Context) -> Iterator[Diagnostic]:
     Types in files without components are there for other files.
     """
     own = {d.file for d in context.declarations if isinstance(d, Component)}
-    count: Counter[str] = Counter()
-    for words in context.words.values():
-        count.update(words)
+    count = context.count
     for declaration in context.declarations:
         is_type = isinstance(declaration, _TYPES) and declaration.file in own
         if not is_type or count[declaration.name[-1]] != 1:
@@ -114,9 +111,7 @@ def types(context: Context) -> Iterator[Diagnostic]:
 
 def typedefs(context: Context) -> Iterator[Diagnostic]:
     """Report typedefs whose name is never used."""
-    count: Counter[str] = Counter()
-    for words in context.words.values():
-        count.update(words)
+    count = context.count
     for declaration in context.declarations:
         if isinstance(declaration, Typedef) and count[declaration.name[-1]] == 1:
             yield rules.UNUSED_TYPEDEF.at(

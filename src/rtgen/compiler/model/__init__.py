@@ -232,6 +232,15 @@ class Model(msgspec.Struct, frozen=True, dict=True):
         return declaration if isinstance(declaration, Typedef) else None
 
     @cached_property
+    def _enumerators(self) -> dict[ScopedName, Enumerator]:
+        enums = [each for each in self.declarations if isinstance(each, Enum)]
+        return {(*d.name[:-1], m.name): m for d in enums for m in d.members}
+
+    def enumerator(self, name: ScopedName) -> Enumerator:
+        """Find an enumerator by its scoped name. Raises KeyError."""
+        return self._enumerators[name]
+
+    @cached_property
     def _by_file(self) -> dict[str, list[Declaration]]:
         files: dict[str, list[Declaration]] = {}
         for declaration in self.declarations:

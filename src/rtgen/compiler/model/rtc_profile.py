@@ -96,7 +96,7 @@ class ProfileServicePort(msgspec.Struct, frozen=True, kw_only=True):
 
 
 class RtcProfile(msgspec.Struct, frozen=True, kw_only=True):
-    """Content of `rtc:RtcProfile`; `format_version` of the profile, `version` of the component.
+    """Content of `rtc:RtcProfile`; `version` is that of the component.
 
     `rate` is in Hz, None if not given. `implements`: the profile replaces the component of this
     name in the definitions.
@@ -104,7 +104,6 @@ class RtcProfile(msgspec.Struct, frozen=True, kw_only=True):
 
     file: str
     span: Span
-    format_version: str
     name: str
     vendor: str
     category: str

@@ -36,7 +36,7 @@ class TopicEntry(msgspec.Struct, frozen=True, kw_only=True):
     constants: tuple[tuple[str, AdapterConstant, Span | None], ...] = ()
 
 
-class ServiceEntry(msgspec.Struct, frozen=True, kw_only=True):
+class ServiceEntry(msgspec.Struct, frozen=True):
     """An operation (`INSTANCE.PORT.OPERATION`) with its service."""
 
     instance: str
@@ -46,7 +46,7 @@ class ServiceEntry(msgspec.Struct, frozen=True, kw_only=True):
     span: Span
 
 
-class ActionEntry(msgspec.Struct, frozen=True, kw_only=True):
+class ActionEntry(msgspec.Struct, frozen=True):
     """A service port (`INSTANCE.PORT`) with its action."""
 
     instance: str
@@ -134,25 +134,6 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
                 ),
             )
         )
-    services = []
-    for key, name in section.get("services", {}).items():
-        instance, port, operation = key.split(".")
-        services.append(
-            ServiceEntry(
-                instance=instance,
-                port=port,
-                operation=operation,
-                service=name,
-                span=settings.span("ros2.services", key),
-            )
-        )
-    actions = []
-    for key, name in section.get("actions", {}).items():
-        instance, port = key.split(".")
-        span = settings.span("ros2.actions", key)
-        actions.append(
-            ActionEntry(instance=instance, port=port, action=name, span=span)
-        )
     transforms = section.get("tf", {})
     return Ros2Settings(
         **{"boards": True, **rest},
@@ -169,8 +150,16 @@ def ros2_settings(settings: Settings) -> Ros2Settings:
         ),
         static_transforms=_list(transforms.get(STATIC, ())),
         topics=tuple(topics),
-        services=tuple(services),
-        actions=tuple(actions),
+        services=tuple(
+            ServiceEntry(instance, port, of, name, settings.span("ros2.services", key))
+            for key, name in section.get("services", {}).items()
+            for instance, port, of in [key.split(".")]
+        ),
+        actions=tuple(
+            ActionEntry(instance, port, name, settings.span("ros2.actions", key))
+            for key, name in section.get("actions", {}).items()
+            for instance, port in [key.split(".")]
+        ),
     )
 
 

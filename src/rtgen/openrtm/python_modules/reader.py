@@ -103,7 +103,6 @@ class ModuleReader:
         return RtcProfile(
             file=self._file,
             span=self._span(class_.node),
-            format_version="0.3",
             name=self._name(place, values) or class_.node.name,
             vendor=values.get("vendor", ""),
             category=values.get("category", ""),

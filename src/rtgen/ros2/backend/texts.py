@@ -108,7 +108,11 @@ class Lines:
     def _literal(self, value: InitialValue, form: Form) -> str:
         values = value if isinstance(value, tuple) else (value,)
         known = [
-            self._number(each) if isinstance(each, EnumeratorName) else each
+            (
+                self._model.enumerator(each.name).value
+                if isinstance(each, EnumeratorName)
+                else each
+            )
             for each in values
         ]
         try:
@@ -119,15 +123,6 @@ class Lines:
             )
         except ValueError as error:
             raise InexpressibleError(f"a default that {error}") from None
-
-    def _number(self, name: EnumeratorName) -> int:
-        """Return the number of an enumerator, which its enum's scope has."""
-        for declaration in self._model.declarations:
-            if isinstance(declaration, Enum):
-                for each in declaration.members:
-                    if (*declaration.name[:-1], each.name) == tuple(name.name):
-                        return each.value
-        raise InexpressibleError(f"the value {name}")
 
     def _constant(self, constant: Const) -> Iterator[str]:
         name = constant.name[-1] if self._exact else _constant_name(constant.name[-1])

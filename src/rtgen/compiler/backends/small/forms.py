@@ -93,7 +93,7 @@ class Forms(msgspec.Struct, eq=False):
         """Return the literal of a default; enumerators are numbers."""
         match value:
             case EnumeratorName(name):
-                return str(self._number(name))
+                return str(self._model.enumerator(name).value)
             case str():
                 return string_literal(value)
             case float() if not isfinite(value):
@@ -101,15 +101,6 @@ class Forms(msgspec.Struct, eq=False):
             case bool() | int() | float():
                 return number_literal(value)
         raise NoFormError(f"the default {value}")
-
-    def _number(self, name: ScopedName) -> int:
-        """Return the number of an enumerator."""
-        for declaration in self._model.declarations:
-            if isinstance(declaration, Enum) and declaration.name[:-1] == name[:-1]:
-                for member in declaration.members:
-                    if member.name == name[-1]:
-                        return member.value
-        raise AssertionError(f"no enumerator {name}")
 
     def _form(self, type_: Type) -> Form:
         match type_:

@@ -257,14 +257,7 @@ def _default(
     type_ = model.unalias(parameter.type)
     match parameter.default:
         case EnumeratorName(name):
-            of, member = names.enumerator(name)
-            declaration = model.find(of)
-            assert isinstance(declaration, Enum)
-            python_names = names.enumerators(declaration)
-            values = (
-                m.value for m in declaration.members if python_names[m.name] == member
-            )
-            return str(next(values))
+            return str(model.enumerator(name).value)
         case None:
             if type_ == PrimitiveType(Primitive.BOOLEAN):
                 return "False"

@@ -367,30 +367,21 @@ def flag(annotations: Iterable[Annotation], name: str) -> bool:
 
 def integer(annotations: Iterable[Annotation], name: str) -> int | None:
     """Return the integer argument of an annotation such as `@id(3)`."""
-    for annotation in annotations:
-        value = annotation.get()
-        if annotation.name == name and isinstance(value, int):
-            return value
-    return None
+    found = (each.get() for each in annotations if each.name == name)
+    return next((each for each in found if isinstance(each, int)), None)
 
 
 def text(annotations: Iterable[Annotation], name: str) -> str | None:
     """Return the text argument of an annotation such as `@unit("m")`."""
-    for annotation in annotations:
-        value = annotation.get()
-        if annotation.name == name and isinstance(value, str):
-            return value
-    return None
+    found = (each.get() for each in annotations if each.name == name)
+    return next((each for each in found if isinstance(each, str)), None)
 
 
 def value(
     annotations: Iterable[Annotation], name: str, key: str = "value"
 ) -> ConstantValue | None:
     """Return the value of an argument of the first annotation with this name."""
-    for annotation in annotations:
-        if annotation.name == name:
-            return annotation.get(key)
-    return None
+    return next((a.get(key) for a in annotations if a.name == name), None)
 
 
 def exceeds(left: ConstantValue | None, right: ConstantValue | None) -> bool:

@@ -62,7 +62,7 @@ class Reader:
             message = f"the root element is `{root.name[1]}`, not `RtcProfile` of {RTC}"
             self._findings.add(rules.NOT_A_PROFILE, root.span, message)
             return None
-        version = self._word(root, "version", VERSIONS, "0.3")
+        self._word(root, "version", VERSIONS, "0.3")
         self._required_attribute(root, "id", "")
         info = root.first(RTC, "BasicInfo")
         if info is None:
@@ -75,7 +75,6 @@ class Reader:
         return RtcProfile(
             file=self._file,
             span=info.place("name"),
-            format_version=version,
             name=name,
             vendor=self._required_attribute(info, "vendor", ""),
             category=self._required_attribute(info, "category", ""),
