@@ -62,6 +62,7 @@ from rtgen.compiler.model.types import (
     SequenceType,
     StringType,
     Type,
+    default_id,
 )
 from rtgen.facts.primitives import Primitive
 
@@ -127,6 +128,7 @@ __all__ = [
     "Union",
     "ValueBox",
     "Valuetype",
+    "default_id",
 ]
 
 

@@ -17,6 +17,11 @@ ScopedName: TypeAlias = tuple[str, ...]
 """A name from the global scope down: `("IIS", "TimedPose2D")`; escape underscores removed."""
 
 
+def default_id(name: ScopedName) -> str:
+    """Return the repository id of a declaration that does not state one."""
+    return f"IDL:{'/'.join(name)}:1.0"
+
+
 class PrimitiveType(msgspec.Struct, frozen=True):
     """A basic type."""
 

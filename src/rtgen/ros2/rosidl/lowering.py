@@ -25,6 +25,7 @@ from rtgen.compiler.model import (
     StringType,
     Struct,
     Type,
+    default_id,
 )
 from rtgen.facts.primitives import Primitive
 from rtgen.facts.ros import ACTION_SERVICES, ACTION_TOPICS, EVENTS_SUFFIX
@@ -47,7 +48,7 @@ def declarations(message: Message, file: str) -> Iterator[Declaration]:
         assert not isinstance(constant.value, tuple)
         yield Const(
             name=name,
-            repository_id=_repository_id(name),
+            repository_id=default_id(name),
             file=file,
             span=constant.span,
             doc=constant.doc,
@@ -57,7 +58,7 @@ def declarations(message: Message, file: str) -> Iterator[Declaration]:
     members = tuple(_member(field, message.name[0]) for field in message.part.fields)
     yield Struct(
         name=message.name,
-        repository_id=_repository_id(message.name),
+        repository_id=default_id(message.name),
         file=file,
         span=message.span,
         doc=message.part.doc,
@@ -77,7 +78,7 @@ def action_interfaces(action: ScopedName, file: str, span: Span) -> Iterator[Int
     def interface(name: ScopedName, operations: Iterable[Operation]) -> Interface:
         return Interface(
             name=name,
-            repository_id=_repository_id(name),
+            repository_id=default_id(name),
             file=file,
             span=span,
             operations=tuple(operations),
@@ -97,7 +98,7 @@ def action_interfaces(action: ScopedName, file: str, span: Span) -> Iterator[Int
                 ),
             ),
             oneway=returns == VOID,
-            repository_id=_repository_id((*action[:-1], within, name)),
+            repository_id=default_id((*action[:-1], within, name)),
         )
 
     stem = action[-1]
@@ -117,10 +118,6 @@ def action_interfaces(action: ScopedName, file: str, span: Span) -> Iterator[Int
         for name, form in ACTION_TOPICS.items()
     )
     yield interface((*action[:-1], events), topics)
-
-
-def _repository_id(name: ScopedName) -> str:
-    return f"IDL:{'/'.join(name)}:1.0"
 
 
 def _member(field: Field, package: str) -> Member:

@@ -47,6 +47,7 @@ from rtgen.compiler.model import (
     Union,
     ValueBox,
     Valuetype,
+    default_id,
 )
 from rtgen.compiler.model.declarations import OPAQUE, ConstantValue, Declaration
 from rtgen.compiler.typemap.python.idl import is_boolean, is_signed
@@ -330,9 +331,8 @@ class Descriptions(msgspec.Struct, eq=False):
         return [f"repository_id={text}" for text in self._positional_id(declaration)]
 
     def _positional_id(self, declaration: Declaration) -> list[str]:
-        usual = f"IDL:{declaration.scoped.replace('::', '/')}:1.0"
         own = declaration.repository_id
-        return [] if own == usual else [string_literal(own)]
+        return [] if own == default_id(declaration.name) else [string_literal(own)]
 
     def _head(self, declaration: Declaration) -> str:
         return f"{string_literal(declaration.repository_id)}, {string_literal(declaration.scoped)}"

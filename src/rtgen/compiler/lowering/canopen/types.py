@@ -24,6 +24,7 @@ from rtgen.compiler.model import (
     SequenceType,
     Struct,
     Type,
+    default_id,
 )
 from rtgen.compiler.typemap.canopen.labels import object_line
 from rtgen.compiler.typemap.canopen.ports import STAMP, DevicePorts, PdoSample
@@ -46,15 +47,11 @@ def declarations(ports: DevicePorts) -> Iterator[Declaration]:
 def _common(ports: DevicePorts, name: str, span: Span, doc: str) -> dict[str, Any]:
     return {
         "name": (ports.kind.module, name),
-        "repository_id": _repository_id(ports, name),
+        "repository_id": default_id((ports.kind.module, name)),
         "file": file_name(ports),
         "span": span,
         "doc": doc,
     }
-
-
-def _repository_id(ports: DevicePorts, *names: str) -> str:
-    return f"IDL:{'/'.join((ports.kind.module, *names))}:1.0"
 
 
 def _stamp(span: Span, what: str) -> Member:
@@ -109,7 +106,7 @@ def _service(ports: DevicePorts) -> Interface:
             operations.append(
                 Operation(
                     name=name,
-                    repository_id=_repository_id(ports, OBJECT_ACCESS, name),
+                    repository_id=default_id((ports.kind.module, OBJECT_ACCESS, name)),
                     returns=type_,
                     **common,
                 )
@@ -122,7 +119,7 @@ def _service(ports: DevicePorts) -> Interface:
             operations.append(
                 Operation(
                     name=name,
-                    repository_id=_repository_id(ports, OBJECT_ACCESS, name),
+                    repository_id=default_id((ports.kind.module, OBJECT_ACCESS, name)),
                     returns=VOID,
                     parameters=(value,),
                     **common,

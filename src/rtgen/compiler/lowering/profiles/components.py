@@ -29,6 +29,7 @@ from rtgen.compiler.model import (
     Struct,
     Type,
     Union,
+    default_id,
 )
 from rtgen.compiler.model.declarations import OPAQUE
 from rtgen.compiler.model.rtc_profile import (
@@ -44,7 +45,6 @@ from rtgen.compiler.typemap.components.parameters import Parameters, ValueMismat
 from rtgen.compiler.typemap.components.widgets import is_widget
 from rtgen.compiler.typemap.profiles import escapes as profile_escapes
 from rtgen.compiler.typemap.profiles import rules
-from rtgen.compiler.typemap.profiles.facts import default_id
 from rtgen.facts.constraints import Constraint, text_of
 
 _DATA = (Struct, Union)
@@ -421,7 +421,7 @@ def _type_name(interface: ProfileInterface, type_: Type) -> str:
 
 def _opaque(name: ScopedName, service: bool, file: str, span: Span) -> Declaration:
     """Return a placeholder: an interface, or a struct."""
-    repository_id = f"IDL:{'/'.join(name)}:1.0"
+    repository_id = default_id(name)
     annotations = (Annotation(OPAQUE),)
     if service:
         return Interface(

@@ -28,6 +28,7 @@ from rtgen.compiler.model import (
     StringType,
     Type,
     Typedef,
+    default_id,
 )
 from rtgen.facts import opaque_rpc as facts
 
@@ -66,7 +67,7 @@ def communication_model(sources: tuple[SourceFile, ...]) -> Model:
 def _named(name: tuple[str, ...], doc: str = "") -> dict[str, Any]:
     return {
         "name": name,
-        "repository_id": f"IDL:{'/'.join(name)}:1.0",
+        "repository_id": default_id(name),
         "file": FILE,
         "span": _NOWHERE,
         "doc": doc,

@@ -16,6 +16,7 @@ from rtgen.compiler.model import (
     SequenceType,
     Type,
     Typedef,
+    default_id,
 )
 from rtgen.compiler.model.tecs import TecsDeclaration
 
@@ -39,7 +40,7 @@ def common_fields(name: ScopedName, declaration: TecsDeclaration) -> dict[str, A
     """Return the common fields of a declaration."""
     return {
         "name": name,
-        "repository_id": f"IDL:{'/'.join(name)}:1.0",
+        "repository_id": default_id(name),
         "file": declaration.file,
         "span": declaration.span,
         "doc": declaration.doc,

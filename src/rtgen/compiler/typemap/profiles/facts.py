@@ -26,7 +26,7 @@ from rtgen.compiler.model import (
     NamedType,
     Port,
     PortKind,
-    ScopedName,
+    default_id,
 )
 from rtgen.compiler.typemap.components.annotations import (
     WrittenAnnotation,
@@ -275,11 +275,6 @@ def _of_annotations(item: Documented) -> Facts:
 
 
 # How attributes are written and read.
-
-
-def default_id(name: ScopedName) -> str:
-    """Return the default repository id of a scoped name."""
-    return f"IDL:{'/'.join(name)}:1.0"
 
 
 def read_text(value: str, usual: str) -> str:

@@ -48,6 +48,7 @@ from rtgen.compiler.model import (
     Union,
     ValueBox,
     Valuetype,
+    default_id,
 )
 from rtgen.compiler.model.components import Component
 from rtgen.compiler.typemap.components.annotations import annotations_of
@@ -121,13 +122,11 @@ class Writer:
         lines = list(self._definition(declaration))
         lines[-1] += ";"
         yield from lines
-        yield from self._repository_id(declaration)
+        yield from self._repository_id(declaration.name, declaration.repository_id)
 
-    def _repository_id(self, declaration: Declaration) -> Iterator[str]:
-        text = declaration.repository_id
-        if text and text != _default_id(declaration.name):
-            name = "::".join(map(self._escaped, declaration.name))
-            yield repository_id(name, text)
+    def _repository_id(self, name: ScopedName, text: str) -> Iterator[str]:
+        if text and text != default_id(name):
+            yield repository_id("::".join(map(self._escaped, name)), text)
 
     def _definition(self, declaration: Declaration) -> Iterator[str]:
         """Yield the text up to the semicolon."""
@@ -215,10 +214,7 @@ class Writer:
         if declaration.forward:
             yield head
             return
-        scope = declaration.name[:-1]
-        if declaration.bases:
-            bases = (self._names.text(base, scope) for base in declaration.bases)
-            head += f" : {', '.join(bases)}"
+        head += self._listed(" : ", declaration.bases, declaration.name[:-1])
         yield from self._braced(head, self._exports(declaration))
 
     def _valuetype(self, declaration: Valuetype) -> Iterator[str]:
@@ -229,24 +225,25 @@ class Writer:
         scope = declaration.name[:-1]
         if declaration.custom:
             head = f"custom {head}"
-        bases = [self._names.text(base, scope) for base in declaration.bases]
-        if bases:
-            cut = "truncatable " if declaration.truncatable else ""
-            head += f" : {cut}{', '.join(bases)}"
-        if declaration.supports:
-            supported = (self._names.text(name, scope) for name in declaration.supports)
-            head += f" supports {', '.join(supported)}"
+        colon = " : truncatable " if declaration.truncatable else " : "
+        head += self._listed(colon, declaration.bases, scope)
+        head += self._listed(" supports ", declaration.supports, scope)
         yield from self._braced(head, self._exports(declaration))
 
     def _component(self, component: Component) -> Iterator[str]:
         scope = component.name[:-1]
+        bases = () if component.base is None else (component.base,)
         head = f"component {self._escaped(component.name[-1])}"
-        if component.base is not None:
-            head += f" : {self._names.text(component.base, scope)}"
-        if component.supports:
-            supported = (self._names.text(name, scope) for name in component.supports)
-            head += f" supports {', '.join(supported)}"
+        head += self._listed(" : ", bases, scope)
+        head += self._listed(" supports ", component.supports, scope)
         yield from self._braced(head, self._items(component))
+
+    def _listed(
+        self, word: str, names: Sequence[ScopedName], scope: ScopedName, end: str = ""
+    ) -> str:
+        """Return names after a word; nothing without names."""
+        listed = ", ".join(self._names.text(name, scope) for name in names)
+        return f"{word}{listed}{end}" if listed else ""
 
     def _items(self, component: Component) -> Iterator[str]:
         """Yield ports and parameters, without inherited ones."""
@@ -289,30 +286,23 @@ class Writer:
             oneway = "oneway " if operation.oneway else ""
             returns = self._type(operation.returns, scope)
             yield f"{oneway}{returns} {self._call(operation, scope)};"
-            yield from self._inner_id(declaration, operation)
+            yield from self._repository_id(
+                (*scope, operation.name), operation.repository_id
+            )
 
     def _attribute(self, attribute: Attribute, scope: ScopedName) -> Iterator[str]:
         yield from self._above(attribute)
         readonly = "readonly " if attribute.readonly else ""
         name = self._escaped(attribute.name)
         text = f"{readonly}attribute {self._type(attribute.type, scope)} {name}"
-        get = self._raises(attribute.get_raises, scope)
         if attribute.readonly:
-            text += f" raises {get}" if get else ""
+            text += self._listed(" raises (", attribute.get_raises, scope, ")")
         else:
-            put = self._raises(attribute.set_raises, scope)
-            text += f" getraises {get}" if get else ""
-            text += f" setraises {put}" if put else ""
+            text += self._listed(" getraises (", attribute.get_raises, scope, ")")
+            text += self._listed(" setraises (", attribute.set_raises, scope, ")")
         yield f"{text};"
-        yield from self._inner_id(self._model.find(scope), attribute)
-
-    def _inner_id(
-        self, holder: Declaration, entry: Operation | Attribute
-    ) -> Iterator[str]:
-        text = entry.repository_id
-        if text and text != _default_id((*holder.name, entry.name)):
-            name = "::".join(map(self._escaped, (*holder.name, entry.name)))
-            yield repository_id(name, text)
+        own = (*scope, attribute.name)
+        yield from self._repository_id(own, attribute.repository_id)
 
     def _call(self, operation: Operation, scope: ScopedName) -> str:
         names = [p.name for p in operation.parameters]
@@ -322,16 +312,11 @@ class Writer:
             for p in operation.parameters
         )
         text = f"{self._escaped(operation.name)}({', '.join(parameters)})"
-        raised = self._raises(operation.raises, scope)
-        text += f" raises {raised}" if raised else ""
+        text += self._listed(" raises (", operation.raises, scope, ")")
         if operation.context:
             contexts = ", ".join(map(readable_string, operation.context))
             text += f" context ({contexts})"
         return text
-
-    def _raises(self, names: Sequence[ScopedName], scope: ScopedName) -> str:
-        listed = ", ".join(self._names.text(name, scope) for name in names)
-        return f"({listed})" if listed else ""
 
     # Lines above a declaration or member
 
@@ -433,10 +418,6 @@ class Writer:
 def _comment_after(parameter: Parameter) -> str:
     text = " ".join(" ".join(comment_lines(parameter.doc)).split())
     return f" /**< {text} */" if text else ""
-
-
-def _default_id(name: ScopedName) -> str:
-    return f"IDL:{'/'.join(name)}:1.0"
 
 
 def _indented(lines: Iterable[str], depth: int) -> str:
