@@ -18,7 +18,9 @@ from rtgen.facts.ros import INTERFACE_SUFFIXES, interface_beside
 SUFFIXES = (*IDL_SUFFIXES, ".cdl", *DEVICE_SUFFIXES, *INTERFACE_SUFFIXES)
 """Suffixes of definitions, in lower case."""
 
-_BUS = re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
+_BUSES = {
+    ".toml": re.compile(rb"^[ \t]*(\[[ \t]*bus[ \t]*\]|bus[ \t]*[.=])", re.MULTILINE)
+}
 _MAX_BUS_BYTES = 1024 * 1024
 _PROFILES = {
     ".xml": re.compile(rb"<(\w+:)?RtcProfile[\s>]"),
@@ -76,12 +78,14 @@ def is_system(path: Path) -> bool:
     return _begins_as(path, _SYSTEMS)
 
 
-def _begins_as(path: Path, forms: Mapping[str, re.Pattern[bytes]]) -> bool:
+def _begins_as(
+    path: Path, forms: Mapping[str, re.Pattern[bytes]], limit: int = _MAX_PROLOG_BYTES
+) -> bool:
     form = forms.get(path.suffix.lower())
     if form is None:
         return False
     try:
-        return form.search(_head(path, _MAX_PROLOG_BYTES)) is not None
+        return form.search(_head(path, limit)) is not None
     except OSError:
         return False
 
@@ -96,9 +100,4 @@ def _head(path: Path, limit: int) -> bytes:
 
 def is_bus_file(path: Path) -> bool:
     """Return whether the file is TOML with a table `[bus]`."""
-    if path.suffix.lower() != ".toml" or path.name == FILE_NAME:
-        return False
-    try:
-        return _BUS.search(_head(path, _MAX_BUS_BYTES)) is not None
-    except OSError:
-        return False
+    return path.name != FILE_NAME and _begins_as(path, _BUSES, _MAX_BUS_BYTES)

@@ -351,23 +351,20 @@ def _text_findings(component: Component) -> Iterator[Diagnostic]:
             yield rules.CONF_TEXT.at(component.span, message)
 
 
-def _port_findings(component: Component) -> list[Diagnostic]:
+def _port_findings(component: Component) -> Iterator[Diagnostic]:
     names = names_of(component)
-    findings: list[Diagnostic] = []
     chosen: dict[tuple[str, str], Port] = {}
     for port in component.ports:
         if not chosen_name(port):
             continue
         other = chosen.setdefault(key_of(port), port)
         if chosen_name(other) != chosen_name(port):
-            findings.append(
-                rules.TWO_NAMES.at(
-                    port.span,
-                    f"the service port {port.port!r} is called {chosen_name(other)!r} "
-                    f"and {chosen_name(port)!r}",
-                    related=[Related(other.span, "the other name")],
-                    hint="say it at one of its interfaces",
-                )
+            yield rules.TWO_NAMES.at(
+                port.span,
+                f"the service port {port.port!r} is called {chosen_name(other)!r} "
+                f"and {chosen_name(port)!r}",
+                related=[Related(other.span, "the other name")],
+                hint="say it at one of its interfaces",
             )
     distinct: dict[tuple[str, str], Port] = {}
     for port in component.ports:
@@ -377,20 +374,15 @@ def _port_findings(component: Component) -> list[Diagnostic]:
         name = known_name(names[key])
         taken = first.setdefault(name, port)
         if taken is not port:
-            findings.append(
-                rules.SAME_NAME.at(
-                    port.span,
-                    f"OpenRTM would know two ports of `{component.scoped}` as {name!r}",
-                    related=[Related(taken.span, "the other port")],
-                    hint=f'give one another name: @{OPENRTM_NAME}("...")',
-                )
+            yield rules.SAME_NAME.at(
+                port.span,
+                f"OpenRTM would know two ports of `{component.scoped}` as {name!r}",
+                related=[Related(taken.span, "the other port")],
+                hint=f'give one another name: @{OPENRTM_NAME}("...")',
             )
         elif names[key] != key[1] and key not in chosen:
-            findings.append(
-                rules.RENAMED.at(
-                    port.span,
-                    f"OpenRTM will know this port of `{component.scoped}` as {name!r}",
-                    hint=f'choose the name: @{OPENRTM_NAME}("{name}")',
-                )
+            yield rules.RENAMED.at(
+                port.span,
+                f"OpenRTM will know this port of `{component.scoped}` as {name!r}",
+                hint=f'choose the name: @{OPENRTM_NAME}("{name}")',
             )
-    return findings

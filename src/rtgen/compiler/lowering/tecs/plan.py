@@ -134,11 +134,11 @@ class _Planner:
             service = services.setdefault(signature.name, _service(signature, options))
             rtc_join = RtcJoin(number, cell, join, through, service, options)
             if not diagnostics:
-                self._compare(rtc_join, joins)
+                self.findings += _compared(rtc_join, joins)
             joins.append(rtc_join)
         if not joins:
             return None
-        self._check_names(list(services.values()))
+        self.findings += _same_names(services.values())
         stem = PurePosixPath(self._unit.file).stem
         return TecsPackage(
             unit=self._unit,
@@ -161,37 +161,35 @@ class _Planner:
         by_name = {file.name: file for file in self._model.files}
         return tuple(by_name[name] for name in dict.fromkeys(names) if name in by_name)
 
-    def _compare(self, join: RtcJoin, others: Sequence[RtcJoin]) -> None:
-        """Report options that differ from those of earlier joins."""
-        for other in others:
-            same = other.service is join.service
-            shared = ("file", "signature") if same else ("file",)
-            differing = join.options.differing(other.options, *shared)
-            if differing:
-                self.findings.append(
-                    DIFFERENT_OPTIONS.at(
-                        join.through.span,
-                        f"this join and another one differ in {', '.join(differing)}",
-                        related=[Related(other.through.span, "the other is here")],
-                        hint="describe boards that differ in CDL files of their own",
-                    )
-                )
-                return
 
-    def _check_names(self, services: Sequence[Service]) -> None:
-        seen: dict[str, Service] = {}
-        for service in services:
-            other = seen.setdefault(service.module, service)
-            if other is not service:
-                self.findings.append(
-                    SAME_NAME.at(
-                        service.signature.span,
-                        f"{service.signature.scoped} and {other.signature.scoped} "
-                        f"both become {service.name}",
-                        related=[Related(other.signature.span, "the other is here")],
-                        hint="rename one of them",
-                    )
-                )
+def _compared(join: RtcJoin, others: Sequence[RtcJoin]) -> Iterator[Diagnostic]:
+    """Yield the options that differ from those of earlier joins."""
+    for other in others:
+        same = other.service is join.service
+        shared = ("file", "signature") if same else ("file",)
+        differing = join.options.differing(other.options, *shared)
+        if differing:
+            yield DIFFERENT_OPTIONS.at(
+                join.through.span,
+                f"this join and another one differ in {', '.join(differing)}",
+                related=[Related(other.through.span, "the other is here")],
+                hint="describe boards that differ in CDL files of their own",
+            )
+            return
+
+
+def _same_names(services: Iterable[Service]) -> Iterator[Diagnostic]:
+    seen: dict[str, Service] = {}
+    for service in services:
+        other = seen.setdefault(service.module, service)
+        if other is not service:
+            yield SAME_NAME.at(
+                service.signature.span,
+                f"{service.signature.scoped} and {other.signature.scoped} "
+                f"both become {service.name}",
+                related=[Related(other.signature.span, "the other is here")],
+                hint="rename one of them",
+            )
 
 
 def _distinct(
