@@ -162,7 +162,7 @@ class Cache:
             sources={f: text for f, text in run.sources.items() if f in shown},
         )
         try:
-            payload = msgspec.json.encode(entry)
+            payload = msgspec.json.encode(entry, enc_hook=str)  # texts are `Code`
         except UnicodeEncodeError:
             return  # the name of a file is not text
         data = sha256(payload).hexdigest().encode() + b"\n" + payload
