@@ -13,7 +13,6 @@ _CONTROL = re.compile(
 """Line ends, and control and direction characters, which change the appearance of text."""
 
 _QUOTES = re.compile('"{3,}')
-_STEP = 4
 _INERT = re.compile(r"(?!.*\w \w)[\w.,:|\[\]{} ]*")
 """Names, types and parameters, without statements, calls, literals or line ends."""
 _WORD = re.compile(r"\w+")

@@ -414,24 +414,12 @@ class Builder(ExpressionBuilder):
 
     def join(self, children: Children) -> statements.Join:
         name, *subscript, _, value = children
-        return statements.Join(
-            name.start_pos,
-            value.end,
-            name_of(name),
-            subscript[0] if subscript else None,
-            value,
-        )
+        return _join(name, subscript, value)
 
     def composite_join(self, children: Children) -> statements.Join:
         name, *subscript, _, keyword, _, outer = children
         value = tree.OfComposite(keyword.start_pos, outer.end_pos, name_of(outer))
-        return statements.Join(
-            name.start_pos,
-            value.end,
-            name_of(name),
-            subscript[0] if subscript else None,
-            value,
-        )
+        return _join(name, subscript, value)
 
     def reverse_join(self, children: Children) -> statements.ReverseJoin:
         name, *left, operator, owner, _, port = children[: _after_port(children)]
@@ -481,3 +469,8 @@ def _after_port(children: Children) -> int:
     """Return the position for the right subscript of a reverse join."""
     dot = next(i for i, child in enumerate(children) if is_token(child, "DOT"))
     return dot + 2
+
+
+def _join(name: Any, subscript: Children, value: Any) -> statements.Join:
+    index = subscript[0] if subscript else None
+    return statements.Join(name.start_pos, value.end, name_of(name), index, value)
