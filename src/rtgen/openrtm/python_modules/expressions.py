@@ -48,27 +48,11 @@ _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.NotIn: lambda a, b: a not in b,
 }
 _FUNCTIONS: dict[str, Callable[..., Any]] = {
-    "str": str,
-    "int": int,
-    "float": float,
-    "bool": bool,
-    "repr": repr,
-    "len": len,
-    "list": list,
-    "tuple": tuple,
-    "dict": dict,
-    "range": range,
-    "zip": zip,
-    "enumerate": enumerate,
-    "sorted": sorted,
-    "reversed": reversed,
-    "format": format,
-    "min": min,
-    "max": max,
-    "abs": abs,
-    "chr": chr,
-    "ord": ord,
-    "sum": sum,
+    function.__name__: function
+    for function in (
+        *(str, int, float, bool, repr, len, list, tuple, dict, range, zip, enumerate),
+        *(sorted, reversed, format, min, max, abs, chr, ord, sum),
+    )
 }
 _METHODS: dict[type, frozenset[str]] = {
     str: frozenset(

@@ -22,21 +22,11 @@ from rtgen.compiler.model import (
 from rtgen.compiler.typemap.python.names import snake_case
 from rtgen.facts.primitives import Primitive
 from rtgen.facts.ros import is_interface
+from rtgen.ros2.rosidl.syntax import PRIMITIVES
 
-_PRIMITIVES: Final[Mapping[str, str]] = {
-    Primitive.BOOLEAN: "bool",
-    Primitive.OCTET: "byte",
+_NAMES: Final[Mapping[str, str]] = {
+    **{kind: name for name, kind in PRIMITIVES.items() if name != "char"},
     Primitive.CHAR: "char",
-    Primitive.INT8: "int8",
-    Primitive.UINT8: "uint8",
-    Primitive.SHORT: "int16",
-    Primitive.UNSIGNED_SHORT: "uint16",
-    Primitive.LONG: "int32",
-    Primitive.UNSIGNED_LONG: "uint32",
-    Primitive.LONG_LONG: "int64",
-    Primitive.UNSIGNED_LONG_LONG: "uint64",
-    Primitive.FLOAT: "float32",
-    Primitive.DOUBLE: "float64",
 }
 _INEXACT: Final = (Primitive.CHAR,)
 """Types that become others, which have another hash."""
@@ -145,10 +135,10 @@ def _element(
         case StringType(wide=wide, bound=bound):
             name = "wstring" if wide else "string"
             return Form(name if bound is None else f"{name}<={bound}", None, bound)
-        case PrimitiveType(kind=kind) if kind in _PRIMITIVES:
+        case PrimitiveType(kind=kind) if kind in _NAMES:
             if not (exact and kind in _INEXACT):
                 read = Primitive.UINT8 if kind == Primitive.CHAR else kind
-                return Form(_PRIMITIVES[kind], Primitive(read))
+                return Form(_NAMES[kind], Primitive(read))
         case NamedType(name=name):
             declaration = model.find(name)
             if isinstance(declaration, Enum) and declaration.bound == 32 and not exact:

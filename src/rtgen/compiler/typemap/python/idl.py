@@ -57,20 +57,12 @@ _FLOAT = PythonType("float", "0.0", (("", "float"),))
 _CHAR = PythonType("str", r'"\x00"', (("", "str"),))
 
 PRIMITIVES: dict[Primitive, PythonType] = {
-    Primitive.SHORT: _INT,
-    Primitive.UNSIGNED_SHORT: _INT,
-    Primitive.LONG: _INT,
-    Primitive.UNSIGNED_LONG: _INT,
-    Primitive.LONG_LONG: _INT,
-    Primitive.UNSIGNED_LONG_LONG: _INT,
-    Primitive.INT8: _INT,
-    Primitive.UINT8: _INT,
-    Primitive.OCTET: _INT,
-    Primitive.FLOAT: _FLOAT,
-    Primitive.DOUBLE: _FLOAT,
-    Primitive.LONG_DOUBLE: _FLOAT,
-    Primitive.CHAR: _CHAR,
-    Primitive.WCHAR: _CHAR,
+    **dict.fromkeys((Primitive.SHORT, Primitive.UNSIGNED_SHORT), _INT),
+    **dict.fromkeys((Primitive.LONG, Primitive.UNSIGNED_LONG), _INT),
+    **dict.fromkeys((Primitive.LONG_LONG, Primitive.UNSIGNED_LONG_LONG), _INT),
+    **dict.fromkeys((Primitive.INT8, Primitive.UINT8, Primitive.OCTET), _INT),
+    **dict.fromkeys((Primitive.FLOAT, Primitive.DOUBLE, Primitive.LONG_DOUBLE), _FLOAT),
+    **dict.fromkeys((Primitive.CHAR, Primitive.WCHAR), _CHAR),
     Primitive.BOOLEAN: PythonType("bool", "False", (("", "bool"),)),
     Primitive.VOID: PythonType("None", "None"),
     Primitive.ANY: PythonType(
