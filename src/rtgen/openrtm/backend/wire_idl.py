@@ -155,5 +155,5 @@ class WireIdl:
                 id_ = opaque_id(declaration.scoped)
                 yield replace(declaration, repository_id=id_, members=(member,))
             else:
-                members = self._model.members(declaration)
+                members = self._unit.model.members(declaration)
                 yield replace(declaration, base=None, members=tuple(members))
