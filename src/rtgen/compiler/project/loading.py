@@ -386,7 +386,9 @@ def require_sources(project: Project) -> None:
     if project.sources:
         return
     if project.file is None:
-        message = f"no {FILE_NAME} here or in a folder above, and no PATH given"
+        message = (
+            f"no {FILE_NAME} here or in a folder above, and no definition file given"
+        )
         hint = f"name definition files, or write a {FILE_NAME} with [sources] paths"
     else:
         message = f"{shown(project.file)}: [sources] paths names no definition files"
