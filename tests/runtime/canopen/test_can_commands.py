@@ -7,6 +7,7 @@ import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
 from pathlib import Path
+from typing import NoReturn
 
 import can
 import pytest
@@ -18,13 +19,15 @@ from patience import until
 
 from rtgen.cli import run
 from rtgen.runtime.canopen.bus.links import open_link
+from rtgen.runtime.canopen.bus.python_can import BusAddress
+from rtgen.runtime.canopen.errors import LinkError
 from rtgen.runtime.canopen.node.node import DeviceNode
 from rtgen.runtime.canopen.wire.lss import LssAddress
 from rtgen.runtime.canopen.wire.lss_master import Procedure
 from rtgen.runtime.canopen.wire.nmt import NmtCommand
 from rtgen.runtime.timing.clocks import RealClock
 from rtgen.tools.can.decoding.node_index import read_node_index
-from rtgen.tools.can.live import lss_scan
+from rtgen.tools.can.live import live_bus, lss_scan
 from rtgen.tools.can.parsing.frames import frame_of_text
 from rtgen.tools.kit.exits import Refusal
 
@@ -44,6 +47,35 @@ def out(capfd: pytest.CaptureFixture[str]) -> str:
 def shown(text: str) -> str:
     """Return the text of a message box or of findings, in one line."""
     return " ".join(text.split())
+
+
+@pytest.mark.parametrize(
+    "arguments",
+    [
+        ["monitor"],
+        ["record", "frames.log"],
+        ["plot", "palette.Angle_reference", "-o", "a.csv"],
+        ["send", "sync"],
+        ["scan"],
+        ["sdo", "read", "palette", "1018:1"],
+    ],
+    ids=lambda arguments: arguments[0],
+)
+def test_a_bus_is_opened_with_the_bit_rate_of_its_file(
+    arguments: list[str], tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    rates = []
+
+    def refuse(address: BusAddress) -> NoReturn:
+        rates.append(address.bitrate)
+        raise LinkError("no such bus")
+
+    bus_file = ["--interface", "virtual", "--bus", LINKED]
+    monkeypatch.setattr(live_bus, "open_bus", refuse)
+    monkeypatch.chdir(tmp_path)
+    for more in ([], ["--bitrate", "125000"]):
+        assert run(["can", *arguments, *bus_file, *more]) == 3
+    assert rates == [500_000, 125_000]
 
 
 # send

@@ -294,6 +294,7 @@ def test_a_record_is_complete_when_it_is_ended(
     path = tmp_path / "a.blf"
     process = subprocess.Popen(
         [sys.executable, "-m", "rtgen", "can", "record", path, *on("can0")],
+        cwd=tmp_path,
         stderr=subprocess.PIPE,
         text=True,
         env={**os.environ, "PYTHONUNBUFFERED": "1"},

@@ -59,7 +59,7 @@ with_bus = gathered(
         "--bitrate",
         type=WholeRange(min=1),
         metavar="N",
-        help="In bit/s; default: the interface's.",
+        help="In bit/s; default: the bus file's, else the interface's.",
     ),
     click.option(
         "--option",

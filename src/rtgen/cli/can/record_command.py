@@ -6,10 +6,10 @@ from pathlib import Path
 
 import click
 
-from rtgen.cli.can.options import with_bus, with_span
+from rtgen.cli.can.options import with_bus, with_nodes, with_span
 from rtgen.cli.help import command
 from rtgen.cli.options import with_console
-from rtgen.tools.can.access import BusAccess
+from rtgen.tools.can.access import BusAccess, NodeFiles
 from rtgen.tools.can.live.live_bus import frames, opened
 from rtgen.tools.can.parsing.logs import check_kind, writer
 from rtgen.tools.kit.console import Console
@@ -19,10 +19,12 @@ from rtgen.tools.kit.exits import OK
 @command("record")
 @click.argument("file", type=click.Path(dir_okay=False, path_type=Path))
 @with_span
+@with_nodes
 @with_bus
 @with_console
 def record_(
     console: Console,
+    node_files: NodeFiles,
     access: BusAccess,
     file: Path,
     seconds: float | None,
@@ -34,9 +36,10 @@ def record_(
     Ctrl-C, or according to --for and --count; the file is then complete.
     """
     check_kind(file)
+    node_index = node_files.read(console)
     total = 0
     with (
-        opened(access) as bus,
+        opened(access.on(node_index)) as bus,
         writer(file) as record,
         frames(bus, seconds, count) as received,
     ):
