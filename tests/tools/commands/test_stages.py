@@ -17,7 +17,7 @@ from small_pipeline import Pipeline
 
 from rtgen.cli import run
 from rtgen.compiler.kit import stages
-from rtgen.compiler.kit.translation import choose
+from rtgen.compiler.kit.translation import of_command
 from rtgen.tools.compiling import shown_stages
 from rtgen.tools.compiling.stage_progress import StageProgress
 from rtgen.tools.compiling.stage_times import StageTimes
@@ -29,9 +29,8 @@ STRUCT = "module robots { struct Lamp { unsigned long colour; }; };\n"
 
 @pytest.fixture(autouse=True)
 def english() -> Iterator[None]:
-    choose("en")
-    yield
-    choose(None)
+    with of_command(lambda: None, "en"):
+        yield
 
 
 class Clock:
@@ -277,11 +276,11 @@ def test_the_line_has_the_stage_and_the_file() -> None:
 
 
 def test_the_line_is_in_the_language() -> None:
-    choose("ja")
     progress = StageProgress(3600)
-    progress.begin("version main")
-    progress.begin("read IDL")
-    assert progress.text() == "版 main、IDL の読み込み"
+    with of_command(lambda: None, "ja"):
+        progress.begin("version main")
+        progress.begin("read IDL")
+        assert progress.text() == "版 main、IDL の読み込み"
     progress.close()
 
 
