@@ -32,6 +32,7 @@ import canopen
 from tables import Arguments, Results
 
 from rtgen.cli import run
+from rtgen.compiler.backends import Options
 from rtgen.compiler.backends.canopen.pdo_codec import Codecs, PdoCodec
 from rtgen.compiler.backends.kit.python_module import python_module
 from rtgen.compiler.backends.kit.rendering import render
@@ -67,7 +68,8 @@ def ours(mapped: Sequence[Mapped], values: tuple[int, ...]) -> list[Callable[[],
     module = ModuleType("codec")
     codecs = [PdoCodec("tpdo1", "TPDO 1", layout(mapped))]
     body = render("canopen/pdo_codecs.py.j2", codecs=Codecs(codecs, codecs))
-    text = python_module("codec.py", "codec", "1", (), "Codecs.", body=body).text
+    options = Options("codec", "codec", "1")
+    text = python_module("codec.py", options, (), "Codecs.", body=body).text
     exec(compile(text, "codec", "exec"), module.__dict__)
     encode, decode = module.encode_tpdo1, module.decode_tpdo1
     data = encode(*values)

@@ -11,6 +11,8 @@ from rtgen.compiler.frontends.kit.lalr import END, WORD, key
 from rtgen.facts.files import write_atomically
 
 _GUARDED = re.compile(r"(\w+)(\(\?=.*\))", re.DOTALL)
+_FREQUENT = (WORD, "LPAR", "RPAR", "SEMI")
+"""Terminals that are tried first: no other one can match where one of them does."""
 
 
 def make(text: str) -> dict[str, Any]:
@@ -28,6 +30,7 @@ def make(text: str) -> dict[str, Any]:
     ordered = sorted(
         parser.terminals,
         key=lambda t: (
+            t.name not in _FREQUENT,
             -t.priority,
             -t.pattern.max_width,
             -len(t.pattern.value),
