@@ -45,7 +45,7 @@ from rtgen.compiler.systems.timeline import Timeline  # noqa: E402
 from rtgen.runtime.rtc.profiles import ComponentProfile  # noqa: E402
 from rtgen.tools.kit.console import Console  # noqa: E402
 from rtgen.ui.arrangements import Arrangements  # noqa: E402
-from rtgen.ui.buses import Describer  # noqa: E402
+from rtgen.ui.bus_description import BusDescriber  # noqa: E402
 from rtgen.ui.project import Known, Opened, RunWatcher  # noqa: E402
 from rtgen.ui.project_systems import CommandProject  # noqa: E402
 from rtgen.ui.protocol import ui  # noqa: E402
@@ -108,7 +108,7 @@ class Network:
     ) -> None:
         """Do nothing."""
 
-    def describer(self, bus: str, network: str) -> Describer:
+    def describer(self, bus: str, network: str) -> BusDescriber:
         """Return nothing to describe: there is no bus."""
         raise LookupError(bus)
 
