@@ -203,6 +203,9 @@ def test_what_the_golden_cases_show_is_said_in_japanese() -> None:
         ("another", "another"),
         ("'a b' is too long", "'a b' は長すぎる"),
         ("'a b' is another", "'a b' is another"),
+        ("a sample is {'x': 0, 'y': 1}", "見本は {'x': 0, 'y': 1}"),
+        ("a sample is {'x': {'y': 1, ...", "見本は {'x': {'y': 1, ..."),
+        ("first, second", "最初、第二"),
         ("", ""),
     ],
 )
@@ -215,6 +218,11 @@ def test_insertions_are_found_and_inserted(english: str, japanese: str) -> None:
             "wrong: {0}": "誤り: {0}",
             "a {{brace}}": "括弧 {{brace}}",
             "{0}{1}": "never {0}{1}",
+            "a sample is {0}": "見本は {0}",
+            "{0} is {1}, {2}": "{0} は {1}、{2}",
+            "first": "最初",
+            "second": "第二",
+            "{0}, {1}": "{0}、{1}",
         }
     )
     assert sample.translated(english) == japanese

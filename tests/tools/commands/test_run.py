@@ -347,6 +347,11 @@ def test_real_time(capfd: pytest.CaptureFixture[str]) -> None:
         (profile(("Mover", "M0"), until="1"), ["--set", "M0.spee=1"], "SYS0004"),
         (profile(("Mover", "M0"), until="1"), ["--set", "M0.speed=-1"], "SYS0004"),
         (profile(("Mover", "M0"), until="1"), ["--set", "M0.speed=fast"], "SYS0004"),
+        (
+            profile(("Mover", "M0"), until="1").replace('Set="default"', 'Set="fast"'),
+            [],
+            "SYS0004",
+        ),
         ("<junk", [], "RTC"),
     ],
 )
@@ -359,6 +364,13 @@ def test_what_does_not_fit_is_refused(
     assert out == ""
     assert f"error[{code}" in err
     assert not Path("x.csv").exists()
+
+
+def test_a_set_without_values_can_be_active(capfd: pytest.CaptureFixture[str]) -> None:
+    sets = '<rts:ConfigurationSets rts:id="fast"/>'
+    system = profile(("Mover", "M0"), sets=sets, until="1")
+    Path("m.xml").write_text(system.replace('Set="default"', 'Set="fast"'))
+    assert rtgen(["run", "m.xml"]) == 0, capfd.readouterr().err
 
 
 @pytest.mark.parametrize(

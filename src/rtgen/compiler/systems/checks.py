@@ -83,7 +83,8 @@ def parameter_problem(
     parameters = {p.name: p for p in definition.component.configuration}
     parameter = parameters.get(name)
     if parameter is None:
-        return f"{c.type} has no parameter {name!r}", guess(name, parameters)
+        hint = guess(name, parameters) or f"it has {', '.join(parameters) or 'none'}"
+        return f"{c.type} has no parameter {name!r}", hint
     problem = _value_problem(definition.model, parameter, text)
     if problem is None:
         return None

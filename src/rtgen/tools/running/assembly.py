@@ -391,14 +391,19 @@ def _configure(
             yield from _findings(PARAMETER, None, partial(_load_conf, sets, file))
     wrong: set[str] = set()
     for set_id, pairs in c.parameter_sets:
+        if not pairs:
+            sets.set_all({}, set_id)
         for parameter, text in pairs:
             span = c.places.get((set_id, parameter), c.span)
             change = partial(sets.set, parameter, text, set_id)
             if diagnostics := [*_findings(PARAMETER, span, change)]:
                 wrong.add(set_id)
                 yield from diagnostics
-    # a set without a valid value is not created
-    if any(pairs for _, pairs in c.parameter_sets) and c.active_set not in wrong:
+    # A set without a valid value is not created. Files name `default` where they choose none.
+    is_chosen = c.active_set != runtime.DEFAULT_SET or any(
+        dict(c.parameter_sets).values()
+    )
+    if is_chosen and c.active_set not in wrong:
         yield from _findings(PARAMETER, c.span, partial(sets.activate, c.active_set))
     for setting in settings:
         change = partial(sets.set, setting.parameter, setting.text, sets.active)

@@ -38,7 +38,7 @@ _JOINT = "\ue000"
 _OF_JAPANESE = "[\u3041-\u30ff\u4e00-\u9fff]"
 _JOINTS = re.compile(f"(?<={_OF_JAPANESE}) ?{_JOINT} ?(?={_OF_JAPANESE})|{_JOINT}")
 _SAID_OF = re.compile(
-    r"(?P<subject>'[^']*'|\"[^\"]*\"|\[[^]]*\]|\S+) (?P<what>\S+ .+)", re.DOTALL
+    r"(?P<subject>'[^']*'|\"[^\"]*\"|\[[^]]*\]|(?!\{')\S+) (?P<what>\S+ .+)", re.DOTALL
 )
 """A value, and what is said of it, which is a text of its own."""
 _FEW = 16
@@ -93,15 +93,21 @@ class Template:
 def _found(part: str, text: str, start: int, end: int) -> int:
     """Return the place of a constant part after an insertion that begins at `start`, or -1.
 
-    It is the first one that is outside of quotes of the insertion, else the first one.
+    It is the first one that is outside of quotes of the insertion, else the first one; it is not
+    within braces, which are around the value of a struct.
     """
-    first = found = text.find(part, start, end)
-    quotes = 0
+    first, found = -1, text.find(part, start, end)
+    quotes = depth = 0
     counted = start
     while found >= 0:
-        quotes += text.count(_QUOTE, counted, found)
-        if quotes % 2 == 0:
-            return found
+        for number, between in enumerate(text[counted:found].split(_QUOTE)):
+            quotes += number > 0
+            if quotes % 2 == 0:
+                depth += between.count("{") - between.count("}")
+        if depth <= 0 or part[0] in _QUOTES:
+            if quotes % 2 == 0:
+                return found
+            first = found if first < 0 else first
         counted = found
         found = text.find(part, found + 1, end)
     return first
