@@ -36,7 +36,7 @@ def record_(
     Ctrl-C, or according to --for and --count; the file is then complete.
     """
     check_kind(file)
-    node_index = node_files.read(console)
+    node_index = node_files.read(console, names=False)
     total = 0
     with (
         opened(access.on(node_index)) as bus,

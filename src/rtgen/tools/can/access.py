@@ -91,12 +91,15 @@ class NodeFiles:
     bus_file: Path | None = None
     descriptions: tuple[tuple[int | None, Path], ...] = ()
 
-    def read(self, console: Console) -> NodeIndex:
-        """Return the nodes of the files by id and name. Raises InputError, ReportedError."""
+    def read(self, console: Console, *, names: bool = True) -> NodeIndex:
+        """Return the nodes of the files by id and name. Raises InputError, ReportedError.
+
+        `names`: whether the command shows nodes, so that it says why they have no names.
+        """
         file = self.bus_file
         if file is None and not self.descriptions:
             buses = project_buses(console)
-            if len(buses) > 1:
+            if len(buses) > 1 and names:
                 console.say(f"nodes have no names: --bus names one of {listed(buses)}")
             file = buses[0] if len(buses) == 1 else None
         return read_node_index(file, self.descriptions)
