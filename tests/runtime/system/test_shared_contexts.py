@@ -30,7 +30,7 @@ from rtgen.runtime import (
 from rtgen.runtime.errors import RateError
 from rtgen.runtime.rtc.execution_context import Undriven
 from rtgen.runtime.rtc.life_cycle import Request
-from rtgen.runtime.system.runner import Runner, Task
+from rtgen.runtime.system.runner import MACHINE, Runner, Task
 from rtgen.runtime.timing.clocks import SECOND
 
 Calls = list[tuple[str, str, int]]
@@ -629,3 +629,34 @@ def test_a_task_whose_work_takes_long_keeps_its_tick_of_that_instant() -> None:
     assert threads == [runner.ident]
     for each in (runner, new):
         assert each.stop()
+
+
+def test_a_thread_that_wakes_late_leaves_out_what_passed_meanwhile() -> None:
+    """Of the instants of 1, 2 and 3 ms at 3.5 ms, the first one is late, and the last made up."""
+    ms = 1_000_000
+    times = iter([0])
+    ticks: list[int] = []
+    overruns: list[tuple[int, str]] = []
+    done = threading.Event()
+
+    class Stalled(RealClock):
+        def elapsed(self) -> int:
+            return next(times, 3 * ms + ms // 2)
+
+    def tick() -> None:
+        assert task.lane is not None
+        ticks.append(task.lane.due - ms)
+        if len(ticks) == 2:
+            done.set()
+
+    task = Task("a", ms, tick, overrun=lambda *each: overruns.append(each))
+    owner: Any = None
+    runner = Runner("stalled", Stalled(), owner)
+    runner.add(task, ms)
+    runner.start()
+    try:
+        assert done.wait(PATIENCE)
+    finally:
+        assert runner.stop()
+    assert ticks == [1 * ms, 3 * ms]
+    assert overruns == [(1, MACHINE)]

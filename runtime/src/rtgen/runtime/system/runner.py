@@ -330,7 +330,11 @@ class Runner:
                 self._woken.clear()
 
     def _await_row(self) -> bool:
-        """Wait until there are tasks to be called; return False at the end of the thread."""
+        """Wait until there are tasks to be called; return False at the end of the thread.
+
+        An instant at which the thread wakes late is not left out, but those that passed meanwhile.
+        """
+        has_waited = False
         with self._changed:
             while True:
                 if self._stopped or (self._ends_alone and not self._tasks):
@@ -342,11 +346,12 @@ class Runner:
                 now = self._clock.elapsed()
                 heap = self._heap
                 if heap and heap[0][0] <= now:
-                    self._rest.extend(self._take(now))
+                    self._rest.extend(self._take(heap[0][0] if has_waited else now))
                     return True
                 if self._woken or self._rest:
                     return True
                 self._changed.wait((heap[0][0] - now) / SECOND if heap else None)
+                has_waited = True
                 self._awake = self._clock.elapsed()
                 self._processor = time.thread_time_ns()
 
