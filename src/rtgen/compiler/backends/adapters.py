@@ -36,9 +36,7 @@ from rtgen.facts.numeric import Numeric
 _Scale: TypeAlias = Sequence[float]
 """Factor and offset of a conversion."""
 
-_TAKEN = words("""
-    annotations bytes list made sample self Adapter
-    """)
+_TAKEN = words("annotations bytes list made sample self Adapter")
 """The names that the template binds or uses."""
 
 

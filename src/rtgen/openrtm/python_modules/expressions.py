@@ -47,13 +47,14 @@ _COMPARISONS: dict[type[ast.cmpop], Callable[[Any, Any], Any]] = {
     ast.In: lambda a, b: a in b,
     ast.NotIn: lambda a, b: a not in b,
 }
-_FUNCTIONS: dict[str, Callable[..., Any]] = {
+FUNCTIONS: dict[str, Callable[..., Any]] = {
     function.__name__: function
     for function in (
         *(str, int, float, bool, repr, len, list, tuple, dict, range, zip, enumerate),
         *(sorted, reversed, format, min, max, abs, chr, ord, sum),
     )
 }
+"""The functions of Python that are called to find out what a module does."""
 _METHODS: dict[type, frozenset[str]] = {
     str: frozenset(
         (
@@ -319,7 +320,7 @@ class Expressions:
         self, name: str, args: list[Value], keywords: dict[str, Value]
     ) -> Value:
         """Return the result of a built-in function; UNKNOWN if it is irrelevant here."""
-        function = _FUNCTIONS.get(name)
+        function = FUNCTIONS.get(name)
         passing = name in ("len", "list", "tuple", "zip", "enumerate", "reversed")
         fine = all(is_known(a) or (passing and iterated(a) is not None) for a in args)
         if function is None or not fine or not all(map(is_known, keywords.values())):

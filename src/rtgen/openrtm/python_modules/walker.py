@@ -10,7 +10,12 @@ from dataclasses import dataclass, field
 from pathlib import Path
 
 from rtgen.compiler.kit.words import words
-from rtgen.openrtm.python_modules.expressions import Expressions, is_known, iterated
+from rtgen.openrtm.python_modules.expressions import (
+    FUNCTIONS,
+    Expressions,
+    is_known,
+    iterated,
+)
 from rtgen.openrtm.python_modules.modules import ModuleName, Modules, definition
 from rtgen.openrtm.python_modules.state import State
 from rtgen.openrtm.python_modules.values import (
@@ -443,7 +448,4 @@ class Walker:
         return end.value if end is not None and end.kind is ast.Return else None
 
 
-_PYTHON: frozenset[str] = words("""
-    str int float bool repr len list tuple dict range zip enumerate sorted reversed format min max
-    abs chr ord sum print isinstance open hasattr map filter
-    """)
+_PYTHON = FUNCTIONS.keys() | words("print isinstance open hasattr map filter")

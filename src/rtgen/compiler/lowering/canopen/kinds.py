@@ -20,9 +20,7 @@ from rtgen.compiler.typemap.canopen.ports import DevicePorts, can_be_parameter
 from rtgen.compiler.typemap.python.idl_names import package_path
 from rtgen.compiler.typemap.python.names import module_name
 
-_TAKEN = words("""
-    rtc canopen corba components adapters networks manager service _idl
-    """)
+_TAKEN = words("rtc canopen corba components adapters networks manager service _idl")
 
 
 def kinds_of(

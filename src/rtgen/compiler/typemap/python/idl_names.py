@@ -41,9 +41,7 @@ from rtgen.compiler.typemap.python.implementation_modules import (
 from rtgen.compiler.typemap.python.names import identifier
 from rtgen.compiler.typemap.python.support import HOMES
 
-CODEC = words("""
-    to_cdr from_cdr to_xcdr1 from_xcdr1 to_xcdr2 from_xcdr2 key_hash
-    """)
+CODEC = words("to_cdr from_cdr to_xcdr1 from_xcdr1 to_xcdr2 from_xcdr2 key_hash")
 """Public methods of all types with a codec; equal IDL names get a trailing `_`."""
 
 NUMBER = frozenset({"to_number", "from_number"})

@@ -6,7 +6,7 @@ from rtgen.compiler.kit.words import words
 
 _NAMES = {
     "rtgen.runtime.cdr": (
-        "Aggregated AliasCodec Bitset Enumeration Flags Union UserException " "field"
+        "Aggregated AliasCodec Bitset Enumeration Flags Union UserException field"
     ),
     "rtgen.runtime.marshalling.descriptors": (
         "ANY InterfaceDescriptor NULL PrimitiveDescriptor"
