@@ -260,10 +260,10 @@ ROWS: Mapping[str, tuple[Row, ...]] = {
         Row(f"can monitor --for 0.1 --eds 1=@ {OFFLINE}", *EDS),
     ),
     "can record bus_file": (
-        Row(f"can record frames.log --for 0.1 --bus @ {OFFLINE}", *BUS),
+        Row(f"can record out/frames.log --for 0.1 --bus @ {OFFLINE}", *BUS),
     ),
     "can record descriptions": (
-        Row(f"can record frames.log --for 0.1 --eds 1=@ {OFFLINE}", *EDS),
+        Row(f"can record out/frames.log --for 0.1 --eds 1=@ {OFFLINE}", *EDS),
     ),
     "can record file": tuple(
         Row(f"can record @ --for 0.1 {OFFLINE}", suffix, kind="written")
