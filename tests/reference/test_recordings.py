@@ -267,3 +267,47 @@ def test_without_the_library_nothing_begins(
     assert "recordings need mcap" in capfd.readouterr().err
     assert log.read_text(encoding="utf-8") == "before"
     assert not (tmp_path / "a.mcap").exists()
+
+
+@pytest.mark.parametrize("option", ["--csv", "--log", "--plot", "--record"])
+def test_no_file_is_emptied_if_another_cannot_be_written(
+    option: str, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    files = {
+        "--csv": tmp_path / "run.csv",
+        "--log": tmp_path / "run.jsonl",
+        "--plot": tmp_path / "run.svg",
+        "--record": tmp_path / "run.mcap",
+    }
+    for file in files.values():
+        file.write_text("before", encoding="utf-8")
+    impossible = files.pop(option) / "below_a_file"
+    given = {**files, option: impossible.with_suffix(".svg")}
+    words = [str(word) for pair in given.items() for word in pair]
+    assert rtgen(["run", str(GOAL), "--until", "1", *words]) == 3
+    assert f"cannot write {given[option]}" in capfd.readouterr().err
+    assert {file.read_text(encoding="utf-8") for file in files.values()} == {"before"}
+
+
+def test_no_command_overwrites_what_it_reads(
+    goal: Path, tmp_path: Path, capfd: pytest.CaptureFixture[str]
+) -> None:
+    recording, system = tmp_path / "goal.mcap", tmp_path / "goal.xml"
+    recording.write_bytes(goal.read_bytes())
+    system.write_bytes(GOAL.read_bytes())
+    link = tmp_path / "link.mcap"
+    link.symlink_to(recording)
+    into = ["replay", str(recording), "--into", str(system)]
+    port = ["log", "csv", str(recording), "Odometry0.currentPosition"]
+    for words, output in [
+        (["run", str(system), "--until", "1", "--log"], system),
+        ([*into, "--record"], recording),
+        ([*into, "--record"], link),
+        ([*into, "--log"], system),
+        ([*port, "-o"], recording),
+    ]:
+        assert rtgen([*words, str(output)]) == 2, words
+        message = f"{words[-1]} would overwrite {output}, which is read"
+        assert message in capfd.readouterr().err
+    assert recording.read_bytes() == goal.read_bytes()
+    assert system.read_bytes() == GOAL.read_bytes()

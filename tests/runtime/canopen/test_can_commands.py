@@ -530,6 +530,8 @@ def test_plot_live_and_refusals(
     assert command("plot", *base, "-o", target, "--for", "0.01") == 1
     assert command("plot", *base, "-o", str(tmp_path / "p.txt")) == 2
     assert "the suffix is one of" in shown(capfd.readouterr().err)
+    assert command("plot", *base, "--from", target, "-o", target) == 2
+    assert "-o would overwrite" in shown(capfd.readouterr().err)
     missing = ["plot", "palette.Angle", "--bus", LINKED, "-o", target]
     assert command("plot", *missing) == 2
     monkeypatch.setattr("rtgen.tools.running.trajectory.find_spec", lambda name: None)

@@ -20,7 +20,7 @@ from rtgen.tools.can.parsing import logs
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.curve import Curve
 from rtgen.tools.kit.exits import NO, OK
-from rtgen.tools.kit.files import values_file
+from rtgen.tools.kit.files import require_different, values_file
 
 if TYPE_CHECKING:
     from can import Message
@@ -67,6 +67,7 @@ def plot_(
     node_index = node_files.read(console)
     for path in outputs or (Path("values.svg"),):
         check_output(path)
+        require_different({"-o": str(path)}, *filter(None, (record,)))
     curves = _series(node_index, objects)
     decoder = MessageDecoder(node_index)
     if record is not None:

@@ -12,6 +12,7 @@ from rtgen.cli.log.values import with_values
 from rtgen.cli.options import with_console
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK
+from rtgen.tools.kit.files import require_different
 from rtgen.tools.running.curves import write_curves
 from rtgen.tools.running.trajectory import opened
 
@@ -30,6 +31,7 @@ def csv_(
 
     from rtgen.cli.log.values import curves_of
 
+    require_different({"-o": output}, file)
     curves = curves_of(console, file, selectors)
     text = io.StringIO()
     write_curves(text, curves)

@@ -2,10 +2,12 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from pathlib import Path
 
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.facts.files import create_file, make_folder
+from rtgen.tools.kit.exits import Refusal
 
 
 def save(path: Path, octets: bytes) -> None:
@@ -15,6 +17,21 @@ def save(path: Path, octets: bytes) -> None:
             stream.write(octets)
     except OSError as error:
         raise ToolError(f"cannot write {path}: {error.strerror}") from error
+
+
+def require_different(outputs: Mapping[str, str | None], *inputs: str | Path) -> None:
+    """Raise Refusal if two options name the same output, or one names an input."""
+    users: dict[Path, str] = {}
+    read = {Path(file).resolve() for file in inputs}
+    for option, file in outputs.items():
+        if file is None or Path(file).is_char_device():
+            continue  # such as /dev/null
+        path = Path(file).resolve()
+        if path in read:
+            raise Refusal(f"{option} would overwrite {file}, which is read")
+        other = users.setdefault(path, option)
+        if other != option:
+            raise Refusal(f"{other} and {option} both write {file}")
 
 
 def results_of(name: str) -> Path:

@@ -154,11 +154,11 @@ class _Run:
         _check_measures(plan.measures, self._view)
         if plan.folder is not None and plan.measures:
             outputs.add_defaults(plan.folder, console)
+        bag = options.recording.bag(files, running) if options.ros2 else None
         self._table = opened(files, outputs.csv)
         if (stream := opened(files, options.log)) is not None:
             self._logging = JsonLinesRecorder(stream)
             running.add_listener(self._logging)
-        bag = options.recording.bag(files, running) if options.ros2 else None
         self._recorder = options.recording.begin(files, running, bag)
         name, clock = plan.profile.name, RosTime.of(options)
         rest: Callable[[float], None] = time.sleep

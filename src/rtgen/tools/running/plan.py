@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from importlib.util import find_spec
 from pathlib import Path
@@ -35,14 +35,14 @@ from rtgen.facts.extras import installation
 from rtgen.runtime.services.transports import ForeignComponent
 from rtgen.tools.kit.console import Console
 from rtgen.tools.kit.exits import BAD_INPUT, Refusal, ReportedError
-from rtgen.tools.kit.files import results_of, values_file
+from rtgen.tools.kit.files import require_different, results_of, values_file
 from rtgen.tools.running import foreign, partition
 from rtgen.tools.running.curves import divided
 from rtgen.tools.running.factories import Factories
 from rtgen.tools.running.failures import FailureOptions
 from rtgen.tools.running.live_options import LiveOptions
 from rtgen.tools.running.recording_options import RecordingOptions
-from rtgen.tools.running.trajectory import check_picture
+from rtgen.tools.running.trajectory import check_picture, check_writable
 from rtgen.tools.running.transports import TransportOptions
 
 if TYPE_CHECKING:
@@ -242,15 +242,11 @@ class Outputs:
         plot, in_picture = divided(options.picture, "--plot", profile)
         csv = csv or (str(values_file(profile.name, ".csv")) if in_table else None)
         plot = plot or (str(values_file(profile.name, ".svg")) if in_picture else None)
-        _require_different(
-            {
-                "--csv": csv,
-                "--plot": plot,
-                "--log": options.log,
-                "--record": options.recording.file,
-            }
-        )
+        record = options.recording.file
+        logs = {"--log": options.log, "--record": record}
+        require_different({"--csv": csv, "--plot": plot, **logs}, profile.file)
         check_picture(plot)
+        check_writable(csv, options.log, record if options.ros2 is None else None)
         if plan.condition == Condition() and options.needs_end:
             hint = "--until SECONDS, or --until INSTANCE=STATE"
             raise InputError(
@@ -286,14 +282,3 @@ class Outputs:
             else:
                 console.say(f"no picture without matplotlib: {installation('plot')}")
         console.say(self.text)
-
-
-def _require_different(files: Mapping[str, str | None]) -> None:
-    """Raise Refusal if two options name the same file."""
-    users: dict[Path, str] = {}
-    for option, file in files.items():
-        if file is None or Path(file).is_char_device():
-            continue  # such as /dev/null
-        other = users.setdefault(Path(file).absolute(), option)
-        if other != option:
-            raise Refusal(f"{other} and {option} both write {file}")

@@ -25,6 +25,7 @@ from rtgen.runtime.system.recording import JsonLinesRecorder
 from rtgen.runtime.timing.clocks import SECOND
 from rtgen.tools.kit.console import Console, for_output, write_out
 from rtgen.tools.kit.exits import INTERRUPTED, NO, OK
+from rtgen.tools.kit.files import require_different
 from rtgen.tools.recording.bag_files import Recording, open_recording
 from rtgen.tools.recording.errors import RecordingError
 from rtgen.tools.recording.events import Log
@@ -41,7 +42,7 @@ from rtgen.tools.running.plan import read_system, require_fitting
 from rtgen.tools.running.recording_options import RecordingOptions, tell_missing
 from rtgen.tools.running.run_view import View
 from rtgen.tools.running.summary import summary
-from rtgen.tools.running.trajectory import opened
+from rtgen.tools.running.trajectory import check_writable, opened
 
 if TYPE_CHECKING:
     from rtgen.tools.recording.bag_recorder import BagRecorder
@@ -90,6 +91,10 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
     say_losses(console, recorded)
     finishing = conditions.finishing(profile)
     profile = source.profile
+    record = options.recording.file
+    logs = {"--log": options.log, "--record": record}
+    require_different(logs, file, options.system)
+    check_writable(options.log, None if source.has_topics else record)
     report = FailureReport(console, options.shown_failures, simulated=True)
     logging = None
     with (
@@ -109,10 +114,10 @@ def replayed(file: Path, options: ReplayOptions, console: Console) -> int:
         ) as running,
     ):
         report.end_run = running.end_run
+        bag = options.recording.bag(files, running) if source.has_topics else None
         if (stream := opened(files, options.log)) is not None:
             logging = JsonLinesRecorder(stream)
             running.add_listener(logging)
-        bag = options.recording.bag(files, running) if source.has_topics else None
         recorder = options.recording.begin(files, running, bag)
         source.begin(files, running, bag)
         if options.rate is not None:

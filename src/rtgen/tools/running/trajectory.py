@@ -92,16 +92,28 @@ def check_picture(path: str | None, command: str = "--plot") -> None:
             hint=f"one of {', '.join(PICTURES)}",
         )
     require_matplotlib(command)
+    _check_writable(file, pipes=False)
+
+
+def check_writable(*paths: str | None) -> None:
+    """Raise ToolError if one of the files cannot be created or written; contents stay."""
+    for path in filter(None, paths):
+        _check_writable(Path(path), pipes=True)
+
+
+def _check_writable(file: Path, *, pipes: bool) -> None:
     try:
-        check_output(file, pipes=False)
-        make_folder(file.parent)
+        check_output(file, pipes=pipes)
         existed = file.exists()
+        if existed and not (file.is_file() or file.is_dir()):
+            return  # a pipe can be opened once
+        make_folder(file.parent)
         with file.open("ab"):
             pass
         if not existed:
-            file.unlink()  # a failed run leaves no empty picture
+            file.unlink()  # a failed run leaves no empty file
     except OSError as error:
-        raise ToolError(f"cannot write {path}: {error.strerror}") from error
+        raise ToolError(f"cannot write {file}: {error.strerror}") from error
 
 
 def require_matplotlib(user: str, hint: str = installation("plot")) -> None:
