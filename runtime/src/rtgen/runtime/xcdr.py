@@ -68,21 +68,22 @@ def serialize(value: DataType, representation: Representation) -> bytes:
 def deserialize(type_: type[_T], payload: Buffer) -> _T:
     """Return the value of a payload; raises CdrError."""
     octets = payload if payload.__class__ is bytes else _octets(type_, payload)
-    if len(octets) < 4:
-        raise CdrError(_name(type_), "the encapsulation header is truncated")
-    head = octets[:2]
-    decoders = type_._descriptor_.codecs
-    if head not in decoders:
-        decoders[head] = _decoder(type_, head)
-    function, little_endian = decoders[head]
-    end = len(octets) - (octets[3] & 3)
-    value: _T = function(type_, octets[4 : max(end, 4)], little_endian)
+    chosen = type_._descriptor_.codecs.get(octets[:4])
+    function, little_endian, end = chosen or _decoder(type_, octets[:4])
+    value: _T = function(type_, octets[4:end], little_endian)
     return value
 
 
-def _decoder(type_: type[DataType], head: bytes) -> tuple[Callable[..., Any], bool]:
-    """Return the decoder of bodies after this identifier, and the byte order; raises CdrError."""
-    number = int.from_bytes(head, "big")
+def _decoder(
+    type_: type[DataType], head: bytes
+) -> tuple[Callable[..., Any], bool, int | None]:
+    """Return the decoder of bodies after this header, the byte order and the end of the body.
+
+    Raises CdrError. Of the options of a header, two bits are the number of octets of padding.
+    """
+    if len(head) < 4:
+        raise CdrError(_name(type_), "the encapsulation header is truncated")
+    number = int.from_bytes(head[:2], "big")
     try:
         representation = Representation(number)
     except ValueError:
@@ -91,7 +92,11 @@ def _decoder(type_: type[DataType], head: bytes) -> tuple[Callable[..., Any], bo
     _check_kind(type_, representation)
     format_ = Format(representation.version)
     function = compiled("from_cdr", type_._descriptor_, format_)
-    return function, representation.little_endian
+    padding = head[3] & 3
+    chosen = function, representation.little_endian, -padding or None
+    if head[2:] == bytes((0, padding)):
+        type_._descriptor_.codecs[head] = chosen
+    return chosen
 
 
 def _check_kind(type_: type[DataType], representation: Representation) -> None:
