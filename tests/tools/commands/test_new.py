@@ -17,6 +17,7 @@ from rtgen.compiler.project import output
 from rtgen.tools.scaffold import names, starters
 
 TEMPLATES = Path(starters.__file__).parents[2] / "templates/new"
+SPECS = Path(__file__).parents[3] / "specs"
 PARTS = {
     "component": ["component", "LeftArm"],
     "device": ["device", "Drive"],
@@ -63,6 +64,28 @@ def check_it_is_whole(project: Path, generated: Path | None) -> None:
         command, cwd=project, env=alone, capture_output=True, text=True
     )
     assert done.returncode == 0, done.stdout + done.stderr
+
+
+def test_each_new_file_has_the_form_of_fmt(
+    work: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    """Those of a base of a board have no recommendation of lint, either."""
+    base = ["base", "--ros2"]
+    drive = str(SPECS / "canopen" / "epos_drive.eds")
+    board = Path(shutil.copytree(SPECS / "tecs", "given")) / "board.cdl"
+    assert run(["fmt", str(board)]) == 0
+    assert run(["new", *base, "Driven", drive]) == 0
+    assert run(["new", *base, "Wired", str(board)]) == 0
+    assert run(["new", "backend", "struct-list"]) == 0
+    started(monkeypatch)
+    for part in PARTS.values():
+        assert run(["new", *part]) == 0
+    capsys.readouterr()
+    for name in ("Driven", "Wired", "struct-list", "my-robot"):
+        monkeypatch.chdir(work / name)
+        assert run(["fmt", "--check", "."]) == 0, capsys.readouterr().out
+    monkeypatch.chdir(work / "Wired")
+    assert run(["lint"]) == 0
 
 
 @pytest.mark.slow
