@@ -65,7 +65,7 @@ def convert(
     unchanged. A description of a device (*.eds, *.dcf, *.xdd, *.xdc) is written so that other
     tools read it; what was changed for that, and why, is listed.
     """
-    if is_device_file(Path(file)) and to in (None, *OF_DEVICES):
+    if is_device_file(Path(file)) and to not in OF_COMPONENTS:
         result = converted_device(console, Path(file), to, node_id)
     elif is_bus_file(Path(file)):
         result = converted_bus(console, Path(file), to)

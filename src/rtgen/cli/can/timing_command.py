@@ -16,7 +16,7 @@ from rtgen.compiler.kit.translation import translated_word
 from rtgen.compiler.layouts.can_messages import messages
 from rtgen.compiler.layouts.can_timing import Timing, load, response_times
 from rtgen.compiler.model.canopen import BIT_RATES
-from rtgen.tools.can.project_bus import listed, project_buses
+from rtgen.tools.can.project_bus import listed, project_buses, require_bus_file
 from rtgen.tools.can.writing_rates import writings
 from rtgen.tools.kit.console import Console, write_out, write_text
 from rtgen.tools.kit.exits import BAD_INPUT, NO, OK
@@ -65,6 +65,7 @@ def timing_(
             of = f"one of {listed(buses)}" if buses else "no bus file is in [sources]"
             raise click.UsageError(f"Missing argument 'BUS.toml': {of}.")
         [file] = buses
+    require_bus_file(file)
     result = front_end.load(file, root=Path.cwd())
     console.findings(result.diagnostics, result.sources)
     if result.bus is None:

@@ -16,6 +16,7 @@ from rtgen.compiler.frontends import Dependency, FrontendResult, together
 from rtgen.compiler.frontends.kit.library import VirtualFile, absolute_path
 from rtgen.compiler.kit import plugins, stages
 from rtgen.compiler.model import Model
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.files import read_start
 from rtgen.facts.idl_files import IDL_SUFFIXES
@@ -179,7 +180,7 @@ FRONTENDS: Final[tuple[tuple[str, tuple[str, ...], Read], ...]] = (
     ("profiles", (".xml", ".yaml", ".yml"), _profiles),
     ("device descriptions", DEVICE_SUFFIXES, _devices),
     ("bus files", (".toml",), _buses),
-    ("CDL", (".cdl", ".cde"), _boards),
+    ("CDL", CDL_SUFFIXES, _boards),
     ("ROS 2 interfaces", INTERFACE_SUFFIXES, _of_wing("rtgen.ros2.rosidl")),
 )
 """The front ends, with the suffixes of their files.

@@ -13,6 +13,7 @@ from fnmatch import fnmatchcase
 
 from rtgen.compiler.diagnostics import Diagnostic, Severity, Span
 from rtgen.compiler.lint import rules
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.device_files import TEXT_SUFFIXES, XML_SUFFIXES
 from rtgen.facts.idl_files import IDL_SUFFIXES
 
@@ -22,8 +23,7 @@ _COMMENT = re.compile(
 _CODE = re.compile(r"[^,\s]+")
 _MARKS = {
     **dict.fromkeys(IDL_SUFFIXES, ("/",)),
-    ".cdl": ("/",),
-    ".cde": ("/",),
+    **dict.fromkeys(CDL_SUFFIXES, ("/",)),
     **dict.fromkeys(TEXT_SUFFIXES, (";",)),
     **dict.fromkeys((*XML_SUFFIXES, ".xml"), ("<",)),
 }

@@ -4,6 +4,7 @@ from rtgen.compiler.kit.project_file import FILE_NAME, find
 from rtgen.compiler.project.kinds import (
     is_bus_file,
     is_component_profile,
+    is_other_kind,
     is_system,
 )
 from rtgen.compiler.project.loading import (
@@ -36,6 +37,7 @@ __all__ = [
     "find",
     "is_bus_file",
     "is_component_profile",
+    "is_other_kind",
     "is_system",
     "load",
     "load_around",

@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
 from rtgen.compiler.kit import plugins
 from rtgen.compiler.kit.project_file import FILE_NAME
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.encodings import MARKS
 from rtgen.facts.files import is_file, read_start
@@ -51,6 +52,16 @@ def plugin_suffixes() -> tuple[str, ...]:
         for name, frontend in plugins.loaded(plugins.Group.FRONTENDS)
         for suffix in plugins.suffixes(name, frontend)
     )
+
+
+def is_other_kind(path: Path, own: Sequence[str]) -> bool:
+    """Return whether the suffix of a file is of another kind of definition than `own` suffixes.
+
+    A suffix that no front end has, such as `.txt`, is of no other kind.
+    """
+    suffix = path.suffix.lower()
+    known = (*SUFFIXES, *CDL_SUFFIXES, *_BUSES, *_PROFILES, *plugin_suffixes())
+    return suffix not in own and suffix in known
 
 
 def searched() -> str:

@@ -40,6 +40,7 @@ from rtgen.compiler.project_rules import (
 )
 from rtgen.facts import python_modules
 from rtgen.facts.adapter_constants import constants
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.file_names import is_device
 from rtgen.facts.file_names import problem as path_problem
 from rtgen.facts.files import is_folder
@@ -425,8 +426,8 @@ def _check_kind(path: Path, target: str) -> Diagnostic | None:
         return None
     if path.suffix.lower() == ".toml" and path.name != FILE_NAME:
         return None  # given as a bus file: its reader reports errors
-    if path.suffix.lower() == ".cde":
-        return None  # written by the editor tecscde
+    if path.suffix.lower() in CDL_SUFFIXES:
+        return None  # also a *.cde, for which no folder is searched
     if path.suffix.lower() == ".xpd":
         hint = "an XPD is a profile for editors (CiA 311): call that of a device *.xdd"
     elif path.suffix.lower() == ".xml":

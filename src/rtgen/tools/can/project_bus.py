@@ -5,8 +5,15 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from rtgen.compiler.project import is_bus_file, load, load_run_table, shown
+from rtgen.compiler.project import (
+    is_bus_file,
+    is_other_kind,
+    load,
+    load_run_table,
+    shown,
+)
 from rtgen.tools.kit.console import Console
+from rtgen.tools.kit.exits import Refusal
 
 
 def project_buses(console: Console) -> list[Path]:
@@ -27,6 +34,12 @@ def project_buses(console: Console) -> list[Path]:
     read = [(file, front_end.load(file, root=Path.cwd()).bus) for file in files]
     used = [f for f, bus in read if bus is not None and has_proxies(bus, profile)]
     return used or files
+
+
+def require_bus_file(file: Path) -> None:
+    """Raise Refusal for a file whose name is that of another kind."""
+    if is_other_kind(file, (".toml",)):
+        raise Refusal(f"{file} is not a bus file")
 
 
 def listed(files: Sequence[Path]) -> str:

@@ -6,6 +6,7 @@ from pathlib import Path
 from typing import TYPE_CHECKING
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.facts.extras import installation
 from rtgen.facts.idl_files import IDL_SUFFIXES
@@ -16,7 +17,6 @@ from rtgen.tools.kit.exits import Refusal
 if TYPE_CHECKING:
     from rtgen.tools.conformance.report import Report
 
-_BOARDS = (".cdl",)
 _COMPONENTS = (*IDL_SUFFIXES, ".xml", ".yaml", ".yml")
 
 
@@ -28,7 +28,7 @@ def is_of_node(file: Path | None, connect: str) -> bool:
     if file is None:
         return not _is_of_board(file, connect) and not _is_of_component(connect)
     suffix = file.suffix.lower()
-    if suffix not in (*DEVICE_SUFFIXES, *_BOARDS, *_COMPONENTS):
+    if suffix not in (*DEVICE_SUFFIXES, *CDL_SUFFIXES, *_COMPONENTS):
         raise Refusal(
             f"{file} is not a description of a device, a CDL file or the definition of a component"
         )
@@ -37,7 +37,7 @@ def is_of_node(file: Path | None, connect: str) -> bool:
 
 def _is_of_board(file: Path | None, connect: str) -> bool:
     if file is not None:
-        return file.suffix.lower() in _BOARDS
+        return file.suffix.lower() in CDL_SUFFIXES
     return connect.startswith(("tcp:", "serial:"))
 
 

@@ -18,10 +18,11 @@ from rtgen.compiler.model import (
     Struct,
     Union,
 )
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.device_files import DEVICE_SUFFIXES
 
 _SHIPPED = ("Canopen.idl", "CanopenManager.idl")
-_DERIVED = (*DEVICE_SUFFIXES, ".cdl", ".cde", ".toml")
+_DERIVED = (*DEVICE_SUFFIXES, *CDL_SUFFIXES, ".toml")
 
 
 def _unchanged(span: Span) -> Span:

@@ -17,6 +17,7 @@ from lsprotocol.types import (
 from pygls.uris import from_fs_path, to_fs_path
 
 from rtgen.compiler.project import FILE_NAME
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.decoded_text import encoded
 from rtgen.facts.device_files import TEXT_SUFFIXES, XML_SUFFIXES
 from rtgen.facts.encodings import Encoded, decode
@@ -50,8 +51,7 @@ class Language(StrEnum):
 
 _SUFFIXES = {
     **dict.fromkeys(IDL_SUFFIXES, Language.IDL),
-    ".cdl": Language.CDL,
-    ".cde": Language.CDL,
+    **dict.fromkeys(CDL_SUFFIXES, Language.CDL),
     **dict.fromkeys(TEXT_SUFFIXES, Language.EDS),
     **dict.fromkeys(XML_SUFFIXES, Language.XDD),
     ".toml": Language.BUS,

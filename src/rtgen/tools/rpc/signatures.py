@@ -9,6 +9,7 @@ from pathlib import Path
 from rtgen.compiler.diagnostics import InputError, has_errors
 from rtgen.compiler.layouts.tdr import TransferError
 from rtgen.compiler.model.tecs import Signature, TecsUnit
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, read_file
 from rtgen.runtime.opaque_rpc import REPLY_LIMIT, ReplyOrder, Tdr
@@ -43,11 +44,14 @@ class CdlFiles:
     def units(self) -> list[TecsUnit]:
         """Read the declarations; only errors are reported. Raises InputError, Refusal."""
         from rtgen.compiler.frontends import cdl
-        from rtgen.compiler.project import load
+        from rtgen.compiler.frontends.stage import ending_with
+        from rtgen.compiler.project import is_other_kind, load
 
         project = load()
+        if self.file is not None and is_other_kind(self.file, CDL_SUFFIXES):
+            raise Refusal(f"{self.file} is not a CDL file")
         paths = [self.file] if self.file is not None else None
-        paths = paths or [p for p in project.sources if p.suffix.lower() == ".cdl"]
+        paths = paths or ending_with(project.sources, CDL_SUFFIXES)
         if not paths:
             raise refused(
                 "which CDL file? Give --cdl FILE: no project with one is around this folder"

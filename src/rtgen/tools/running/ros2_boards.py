@@ -27,6 +27,7 @@ from rtgen.compiler.model import (
 from rtgen.compiler.project import Project
 from rtgen.compiler.typemap.tecs.python import struct_class
 from rtgen.facts import opaque_rpc as facts
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.device_files import DEVICE_SUFFIXES
 from rtgen.ros2.boards.interfaces import (
     MESSAGE,
@@ -55,7 +56,7 @@ from rtgen.tools.running import ros2_devices
 if TYPE_CHECKING:
     from rtgen.runtime.services.ports import Provider
 
-_SUFFIXES = (".cdl", *DEVICE_SUFFIXES, ".toml")
+_SUFFIXES = (*CDL_SUFFIXES, *DEVICE_SUFFIXES, ".toml")
 
 
 class Served(msgspec.Struct, frozen=True):

@@ -30,6 +30,7 @@ from rtgen.compiler.typemap.canopen.names import module_name as device_module
 from rtgen.compiler.typemap.canopen.ports import DevicePorts
 from rtgen.compiler.typemap.python.names import module_name
 from rtgen.facts.canopen import TPDO_COMMUNICATION
+from rtgen.facts.cdl_files import CDL_SUFFIXES
 from rtgen.facts.files import read_start, write_atomically
 from rtgen.tools.scaffold import writing
 from rtgen.tools.scaffold.names import Names, project_names
@@ -79,7 +80,7 @@ def create(
     `paths` are the descriptions of the left and the right drive, one of both, or the CDL file of a
     board. `stamped`: the velocity is a TwistStamped. Raises InputError, ToolError.
     """
-    if paths[0].suffix.lower() == ".cdl":
+    if paths[0].suffix.lower() in CDL_SUFFIXES:
         from rtgen.tools.scaffold import board_bases
 
         return board_bases.create(name, paths[0], generate, stamped=stamped)

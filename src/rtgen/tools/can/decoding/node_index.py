@@ -12,11 +12,13 @@ from pathlib import Path
 from rtgen.compiler.diagnostics import Diagnostic, InputError, Severity, has_errors
 from rtgen.compiler.model.can_bus import Bus
 from rtgen.compiler.model.canopen import Access, Device, Value, resolved
+from rtgen.compiler.project import is_other_kind
 from rtgen.compiler.typemap.canopen.names import field_names
 from rtgen.compiler.typemap.canopen.values import kind
-from rtgen.facts.device_files import is_device_file
+from rtgen.facts.device_files import DEVICE_SUFFIXES, is_device_file
 from rtgen.runtime.canopen.description import Kind
 from rtgen.tools.can.decoding.drive_text import PROFILE, drive_words, value_names
+from rtgen.tools.can.project_bus import require_bus_file
 from rtgen.tools.kit.exits import Refusal
 
 Number = tuple[int, int]
@@ -194,7 +196,7 @@ def read_node_index(
     findings: list[Diagnostic] = []
     nodes: dict[int, DescribedNode] = {}
     bus = None
-    _check_suffixes(bus_file, descriptions)
+    _check_kinds(bus_file, descriptions)
     if bus_file is not None:
         from rtgen.compiler.frontends import bus as front_end
 
@@ -231,15 +233,19 @@ def bus_index(bus: Bus) -> NodeIndex:
     return NodeIndex(nodes={node.id: node for node in nodes}, bus=bus)
 
 
-def _check_suffixes(
+def _check_kinds(
     bus_file: Path | None, descriptions: Sequence[tuple[int | None, Path]]
 ) -> None:
-    """Raise Refusal if a bus file and a description have been swapped."""
+    """Raise Refusal for files of other kinds, as when a bus file and a description are swapped."""
     if bus_file is not None and is_device_file(bus_file):
         raise Refusal(f"--bus {bus_file}: that describes one node: --eds NODE-ID=FILE")
+    if bus_file is not None:
+        require_bus_file(bus_file)
     for _, path in descriptions:
         if path.suffix.lower() == ".toml":
             raise Refusal(f"--eds {path}: that looks like a bus file: --bus FILE")
+        if is_other_kind(path, DEVICE_SUFFIXES):
+            raise Refusal(f"{path} is not a description of a device")
 
 
 def describe_node(

@@ -24,8 +24,10 @@ def tested(file: Path | None, subject: Subject) -> Report:
     cdl, signature, functions = CdlFiles(file), subject.signature, subject.functions
     if signature is None:
         names = [str(each.scoped) for _, each in cdl.signatures()]
-        if len(names) != 1:
-            place = file or "the project"
+        place = file or "the project"
+        if not names:
+            raise Refusal(f"{place} has no signature")
+        if len(names) > 1:
             raise Refusal(
                 f"{place} has several signatures; --signature names one: {', '.join(names)}"
             )
