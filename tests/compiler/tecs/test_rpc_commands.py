@@ -8,6 +8,7 @@ from pathlib import Path
 from typing import TypeAlias
 
 import pytest
+from json_schemas import valid
 
 from rtgen.cli import run
 
@@ -49,6 +50,12 @@ def test_list(rpc: Rpc) -> None:
     assert "    5  [oneway] void stop(void)" in lines
     assert lines[7] == "nArm::sArm"
     assert lines[-1].startswith("       not transferable: enum")
+    listed = valid(rpc("list", "--json"), "rpc.schema.json", "list")["signatures"]
+    assert [each["name"] for each in listed] == ["sMove", "nArm::sArm"]
+    move, arm = listed
+    assert [(f["id"], f["name"]) for f in move["functions"]][4] == (5, "stop")
+    assert move["problems"] == []
+    assert [f"       {text}" for text in arm["problems"]] == lines[-1:]
 
 
 def test_encode_and_decode(rpc: Rpc) -> None:
