@@ -126,6 +126,20 @@ def test_links_lead_somewhere(page: Path) -> None:
             assert anchor in anchors(target), link
 
 
+def test_a_first_change_finds_what_its_page_names() -> None:
+    """A constant is in a file that the same paragraph names."""
+    page = (ROOT / "docs" / "first-change.md").read_text(encoding="utf-8")
+    for paragraph in re.split(r"\n\n|\n(?=\d\. )", page):
+        files = re.findall(r"`([\w/.]+\.py)`", paragraph)
+        texts = [
+            file.read_text(encoding="utf-8")
+            for name in files
+            for file in ROOT.glob(f"src/**/{name.removeprefix('src/')}")
+        ]
+        for constant in re.findall(r"`(_?[A-Z][A-Z_]+)`", paragraph):
+            assert any(f"\n{constant}" in text for text in texts), constant
+
+
 @pytest.mark.parametrize(
     "page",
     [*PAGES[1:], *EXAMPLES, ROOT / "docs" / "decisions" / "README.md"],

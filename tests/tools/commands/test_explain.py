@@ -79,13 +79,6 @@ def test_every_story_of_definitions_has_an_example() -> None:
         assert max(map(len, rule.explanation.splitlines())) <= 100, code
 
 
-def test_the_page_of_a_first_change_has_the_next_code_of_lint() -> None:
-    page = (Path(__file__).parents[3] / "docs/first-change.md").read_text("utf-8")
-    last = max(code for code in rules() if code.startswith("LINT"))
-    following = f"LINT{int(last.removeprefix('LINT')) + 1:04}"
-    assert set(re.findall(r"LINT\d{4}", page)) == {following}
-
-
 def test_the_list_of_codes(capfd: pytest.CaptureFixture[str]) -> None:
     assert run(["explain"]) == 0
     lines = capfd.readouterr().out.splitlines()
