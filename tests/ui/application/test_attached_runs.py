@@ -2,18 +2,21 @@
 
 from __future__ import annotations
 
+import errno
 import os
 import re
+import resource
 import socket
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 import pytest
 from attached_page import Watching
-from patience import until
+from patience import PATIENCE, until
 from test_attached import Project, Sink, Source
 from ui_bench import QUIET
 
@@ -22,7 +25,7 @@ from rtgen import runtime
 from rtgen.cli import run as rtgen
 from rtgen.facts.version import __version__
 from rtgen.runtime import xcdr
-from rtgen.runtime.distribution import local_runs, local_server
+from rtgen.runtime.distribution import local_listener, local_runs, local_server
 from rtgen.runtime.distribution.local_link import LocalLink
 from rtgen.runtime.distribution.local_listener import ServedRun
 from rtgen.runtime.distribution.medium import MediumError
@@ -56,6 +59,13 @@ class Counting(runtime.Component):
             if sample.data < 0:
                 raise ValueError(f"below zero: {sample.data}")
         return runtime.RTC_OK
+
+
+class Unnamed(Source):
+    """Fails for the sake of a file whose name is not UTF-8."""
+
+    def on_activated(self, ec_id: int) -> ReturnCode_t:
+        raise OSError("no file " + os.fsdecode(b"a\xff"))
 
 
 class Running:
@@ -345,7 +355,22 @@ def test_a_socket_without_a_process_is_removed(sockets: Path) -> None:
     assert [*sockets.iterdir()] == []
 
 
-@pytest.mark.parametrize("octets", [b"\xff" * 64, b"\0\0\0\2{}", b"\0\0\0\1"])
+_DEEP = 100_000
+"""Depth of values beyond the limit of recursion."""
+
+
+@pytest.mark.parametrize(
+    "octets",
+    [
+        b"\xff" * 64,
+        b"\0\0\0\2{}",
+        b"\0\0\0\1",
+        (_DEEP + 12).to_bytes(4, "big")
+        + b"\x82\xa4type\xa3ask\xa1x"
+        + b"\x91" * (_DEEP - 1)
+        + b"\x90",
+    ],
+)
 def test_a_run_survives_what_is_no_message(begin: Begin, octets: bytes) -> None:
     run = begin()
     stream, _ = local_runs.connect(run.path)
@@ -357,6 +382,70 @@ def test_a_run_survives_what_is_no_message(begin: Begin, octets: bytes) -> None:
     stream.close()
     with LocalLink(run.path) as link:
         assert link.asker("Source0").state().state == "INACTIVE_STATE"
+
+
+@pytest.mark.parametrize("clock", [*CLOCKS])
+def test_a_request_that_is_nested_too_deep_is_refused(begin: Begin, clock: str) -> None:
+    run = begin("demo", clock)
+    deep = b'{"do":"state","more":' + b"[" * _DEEP + b"]" * _DEEP + b"}"
+    with LocalLink(run.path) as link:
+        for instance in ("Source0", "Sink0"):
+            answer = link.ask(
+                partial(local_runs.Ask, instance=instance, octets=deep), PATIENCE
+            )
+            assert b"nested too deep" in answer
+            assert link.asker(instance).state().state == "INACTIVE_STATE"
+
+
+@pytest.mark.parametrize("clock", [*CLOCKS])
+def test_a_reason_that_no_message_can_have_is_told(begin: Begin, clock: str) -> None:
+    """Such as the name of a file that is not UTF-8."""
+    run = begin("demo", clock)
+    run.system.add(Unnamed("Unnamed0"))
+    with LocalLink(run.path) as link:
+        until(lambda: "Unnamed0" in link.instances)
+        link.asker("Unnamed0").activate()
+        until(lambda: "Unnamed0" in link.states)
+        until(lambda: link.asker("Unnamed0").state().state == "ERROR_STATE")
+        assert "no file a\\udcff" in link.states["Unnamed0"][1]
+        assert link.asker("Source0").state().state == "INACTIVE_STATE"
+
+
+def test_who_asks_and_does_not_read_is_left(begin: Begin) -> None:
+    run = begin()
+    stream, _ = local_runs.connect(run.path)
+    asked = local_runs.packed(local_runs.Ask(1, "nobody" * 1000, b""))
+    with stream, pytest.raises((BrokenPipeError, ConnectionResetError)):
+        stream.sendall(asked * 10_000)
+    with LocalLink(run.path) as link:
+        assert link.asker("Source0").state().state == "INACTIVE_STATE"
+
+
+def test_a_run_without_files_lets_programs_in_later(
+    begin: Begin, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    run = begin()
+    refused, again = threading.Event(), threading.Event()
+    reasons: list[int | None] = []
+
+    def wait(error: OSError) -> None:
+        reasons.append(error.errno)
+        refused.set()
+        assert again.wait(PATIENCE)
+
+    monkeypatch.setattr(local_listener, "await_files", wait)
+    soft, hard = resource.getrlimit(resource.RLIMIT_NOFILE)
+    with socket.socket(socket.AF_UNIX) as stream:
+        resource.setrlimit(resource.RLIMIT_NOFILE, (3, hard))
+        try:
+            stream.connect(str(run.path))
+            assert refused.wait(PATIENCE)
+        finally:
+            resource.setrlimit(resource.RLIMIT_NOFILE, (soft, hard))
+            again.set()
+        hello = local_runs.receive(stream, local_runs.Hello)
+    assert hello is not None
+    assert (hello.name, {*reasons}) == ("demo", {errno.EMFILE})
 
 
 def test_a_program_that_does_not_read_does_not_stop_a_run(begin: Begin) -> None:

@@ -115,10 +115,18 @@ def _place(error: BaseException | None) -> str:
 
 
 def described(error: BaseException) -> str:
-    """Return `Kind: message`, or the kind alone."""
+    """Return `Kind: message`, or the kind alone; see `encodable`."""
     kind = type(error).__name__
     try:
         text = str(error)
     except Exception:
         text = "(its message cannot be shown: __str__ failed)"
-    return f"{kind}: {text}" if text else kind
+    return encodable(f"{kind}: {text}" if text else kind)
+
+
+def encodable(text: str) -> str:
+    """Return a text with escapes for lone surrogates, such as of names that are not UTF-8.
+
+    No message to another process can have them.
+    """
+    return text.encode(errors="backslashreplace").decode()

@@ -16,6 +16,7 @@ from rtgen.compiler.project.output import MANIFEST
 from rtgen.compiler.project_rules import CHANGED_INPUTS
 from rtgen.facts.encodings import digest
 from rtgen.facts.files import MAX_BYTES, read_file, read_start
+from rtgen.facts.messages import from_json
 from rtgen.facts.ros import interface_beside
 
 LIBRARY = "rtgen/"
@@ -34,8 +35,8 @@ def findings(project: Project) -> Iterator[Diagnostic]:
     """
     try:
         octets = read_start(project.output / MANIFEST, MAX_BYTES)
-        before = msgspec.json.decode(octets, type=_Manifest).inputs
-    except (OSError, msgspec.DecodeError, RecursionError):
+        before = from_json(octets, _Manifest).inputs
+    except (OSError, ValueError):
         return
     changed = sorted(_changed(project, before))
     if changed:

@@ -46,6 +46,7 @@ from rtgen.facts.files import (
     walk,
 )
 from rtgen.facts.looks import LINK, look
+from rtgen.facts.messages import from_json
 from rtgen.facts.version import __version__
 
 MANIFEST = ".rtgen.json"
@@ -258,10 +259,10 @@ def component_types(output: Path) -> ComponentTypes:
     if file.exists() and not file.is_file():
         raise ToolError(f"{shown(file)} is not a regular file", hint=hint)
     try:
-        return msgspec.json.decode(read_start(file, MAX_BYTES), type=ComponentTypes)
+        return from_json(read_start(file, MAX_BYTES), ComponentTypes)
     except FileNotFoundError:
         return ComponentTypes()
-    except (OSError, msgspec.DecodeError, RecursionError) as error:
+    except (OSError, ValueError) as error:
         reason = error.strerror if isinstance(error, OSError) else error
         raise ToolError(f"cannot read {shown(file)}: {reason}", hint=hint) from error
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, Final
 import msgspec
 
 from rtgen.compiler.diagnostics import ToolError
+from rtgen.facts.messages import from_msgpack
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.system.system import System
 from rtgen.runtime.timing.clocks import SimulatedClock
@@ -70,7 +71,7 @@ class Attached:
                 self.left(client)
                 return b""
             case "record":
-                options = msgspec.msgpack.decode(octets, type=RecordingOptions)
+                options = from_msgpack(octets, RecordingOptions)
                 self._record(client, options)
                 return b""
             case _:
@@ -102,11 +103,11 @@ class Attached:
             self._buses = BusAccess(self._system)
         try:
             if what == FRAME:
-                sent = msgspec.msgpack.decode(octets, type=SendFrame)
+                sent = from_msgpack(octets, SendFrame)
                 frame = Frame(sent.can_id, sent.data, sent.remote, sent.extended)
                 self._buses.send(sent.bus, frame, sent.period)
                 return b""
-            asked = msgspec.msgpack.decode(octets, type=Transfer)
+            asked = from_msgpack(octets, Transfer)
             if what == READ:
                 return self._buses.read(asked.bus, asked.node, asked.number)
             self._buses.write(asked.bus, asked.node, asked.number, asked.octets)

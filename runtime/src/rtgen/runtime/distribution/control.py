@@ -14,6 +14,7 @@ from typing import TYPE_CHECKING, Any, Protocol, TypeVar
 
 import msgspec
 
+from rtgen.facts.messages import from_json
 from rtgen.runtime.distribution import descriptions
 from rtgen.runtime.distribution.descriptions import Description, describe
 from rtgen.runtime.distribution.medium import Medium, MediumError, Reply, Token
@@ -142,14 +143,14 @@ class Control:
         try:
             if len(octets) > _MAX_REQUEST:
                 raise ValueError(f"a request of {len(octets)} octets")
-            request = msgspec.json.decode(octets, type=_Request)
+            request = from_json(octets, _Request)
             answer = _Answer(carry_out(request, client))
         except RtcError as error:
             answer = _Answer(error=str(error))
         except (ValueError, KeyError) as error:
             log.warning("%s: a request cannot be carried out: %r", instance, error)
             answer = _Answer(error=f"the request is wrong: {error!r}")
-        reply(msgspec.json.encode(answer))
+        reply(_encoded(answer))
 
     def _called(self, request: _Request, client: bytes) -> Any:
         """Call an operation. Raises ControlError for a duplicate of a request."""
@@ -177,6 +178,14 @@ class Control:
         return _ACTIONS[request.do](
             system, self._component.instance_name, request.arguments
         )
+
+
+def _encoded(answer: _Answer) -> bytes:
+    """Return the octets of an answer; an error for texts that have none."""
+    try:
+        return msgspec.json.encode(answer)
+    except UnicodeEncodeError as error:
+        return msgspec.json.encode(_Answer(error=f"the answer is wrong: {error}"))
 
 
 def _state(system: System, instance: str, _: Mapping[str, str]) -> State:
@@ -295,7 +304,7 @@ class Asker:
                 raise ControlError(
                     f"{self.instance}: an answer of {len(octets)} octets"
                 )
-            answer = msgspec.json.decode(octets, type=_Answer)
+            answer = from_json(octets, _Answer)
             if answer.error:
                 raise RefusedError(self._named(answer.error))
             return msgspec.convert(answer.result, type_)

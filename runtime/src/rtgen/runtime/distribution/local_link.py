@@ -10,8 +10,7 @@ from pathlib import Path
 from queue import Empty, SimpleQueue
 from typing import Any
 
-import msgspec
-
+from rtgen.facts.messages import from_msgpack
 from rtgen.facts.version import __version__
 from rtgen.runtime.cdr import CdrError
 from rtgen.runtime.closable import Closable
@@ -149,7 +148,10 @@ class LocalLink(Closable):
     def do(self, what: str, octets: bytes = b"") -> bytes:
         """Let the program that runs the system do something. Raises MediumError."""
         answer = self.ask(lambda number: Do(number, what, octets), _DOING)
-        done = msgspec.msgpack.decode(answer, type=Done)
+        try:
+            done = from_msgpack(answer, Done)
+        except ValueError as error:
+            raise MediumError(f"the answer is wrong: {error}") from error
         if done.error:
             raise MediumError(done.error)
         return done.octets
@@ -199,7 +201,7 @@ class LocalLink(Closable):
             if report is not None:
                 self.time = max(self.time, report.time)
                 self.end = report.reason
-        except (OSError, ValueError, msgspec.MsgspecError) as error:
+        except (OSError, ValueError) as error:
             log.debug("the connection to a run has ended: %s", error)
         finally:
             self.end = self.end or _LOST

@@ -20,6 +20,7 @@ from rtgen.runtime.distribution import local_runs
 from rtgen.runtime.distribution.local_requests import InRun
 from rtgen.runtime.distribution.local_runs import Hello, Planned
 from rtgen.runtime.failures import log
+from rtgen.runtime.sockets import await_files
 from rtgen.runtime.timing.clocks import SECOND, SimulatedClock
 
 if TYPE_CHECKING:
@@ -105,8 +106,11 @@ class ServedRun(Closable):
         while True:
             try:
                 stream, _ = listening.accept()
-            except OSError:
-                return  # It is closed.
+            except OSError as error:
+                if self._closed:
+                    return
+                await_files(error)
+                continue
             server = self._begun()
             if server is None:
                 stream.close()

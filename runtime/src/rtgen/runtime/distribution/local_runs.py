@@ -16,6 +16,7 @@ from typing import Any, Final, TypeVar
 
 import msgspec
 
+from rtgen.facts.messages import from_msgpack
 from rtgen.runtime.system.latency import Latency
 from rtgen.runtime.timing.traffic import BoardCall, BusFrame
 
@@ -250,7 +251,7 @@ def connect(path: Path) -> tuple[socket.socket, Hello]:
         if hello is None:
             raise ConnectionResetError(f"{path}: the run has ended")
         stream.settimeout(None)
-    except (TimeoutError, ValueError, msgspec.MsgspecError) as error:
+    except (TimeoutError, ValueError) as error:
         stream.close()
         raise OSError(f"{path}: no answer: {error}") from error
     except OSError:
@@ -280,7 +281,7 @@ def receive(stream: socket.socket, type_: type[_T] | Any) -> _T | None:
     data = _octets(stream, length)
     if data is None:
         return None
-    message: _T = msgspec.msgpack.decode(data, type=type_)
+    message: _T = from_msgpack(data, type_)
     return message
 
 

@@ -62,7 +62,8 @@ _MAX_VALUES: Final = 2000
 """Maximum number of samples that wait for a client; more are dropped, and so are further ones while
 more than `MAX_LENGTH` octets wait."""
 _MAX_WAITING: Final = 4096
-"""Maximum number of all messages that wait for a client; it is left beyond."""
+"""Maximum number of all messages that wait for a client; it is left beyond, and so is one for which
+more than twice `MAX_LENGTH` octets wait."""
 _FLUSH: Final = 1 / 30
 """Time between two messages with samples [s]."""
 _TELL: Final = 0.1
@@ -101,9 +102,10 @@ class RunServer:
         """Serve one more program, unless there are too many."""
         with self._lock:
             if self._closed or len(self._clients) >= MAX_CLIENTS:
-                with suppress(OSError):
-                    stream.send(packed(msgspec.structs.replace(self.hello, full=True)))
-                stream.close()
+                # Short, so that a program that does not read delays nobody.
+                hello = msgspec.structs.replace(self.hello, full=True, plan=(), doc="")
+                with stream, suppress(OSError):
+                    stream.send(packed(hello))
                 return
             client = _Client(self, stream)
             self._clients += (client,)
@@ -339,7 +341,7 @@ class _Client:
         self._changed = threading.Condition()
         self._waiting: deque[bytes] = deque([packed(run.hello)])
         self._values = self._octets = 0
-        """How many of them are samples, and the length of these."""
+        """How many of them are samples, and the length of all."""
         self._dropped = 0
         self._is_urgent = True
         self._closing = False
@@ -362,13 +364,20 @@ class _Client:
         self._hang_up()
 
     def put(self, message: Any) -> None:
-        """Send a message."""
+        """Send a message; a client that does not read what it has asked for is left."""
+        data = packed(message)
         with self._changed:
-            if len(self._waiting) >= _MAX_WAITING:
-                self._closing = True
-            self._waiting.append(packed(message))
-            self._is_urgent = True
-            self._changed.notify_all()
+            length = self._octets + len(data)
+            if (
+                len(self._waiting) < _MAX_WAITING
+                and length <= 2 * local_runs.MAX_LENGTH
+            ):
+                self._waiting.append(data)
+                self._octets = length
+                self._is_urgent = True
+                self._changed.notify_all()
+                return
+        self._shut()
 
     def has_room(self) -> bool:
         """Return whether a sample can be sent; else it is counted as dropped."""
@@ -412,16 +421,20 @@ class _Client:
         finally:
             self._hang_up()
 
-    def _hang_up(self) -> None:
+    def _shut(self) -> None:
+        """End both threads, also while they wait for the client."""
         with suppress(OSError):
             self._stream.shutdown(socket.SHUT_RDWR)
+
+    def _hang_up(self) -> None:
+        self._shut()
         self._stream.close()
 
     def _read(self) -> None:
         try:
             while (request := local_runs.receive(self._stream, Request)) is not None:
                 self._answer(request)
-        except (OSError, ValueError, msgspec.MsgspecError):
+        except (OSError, ValueError):
             pass  # The client has left, or is none of ours.
         finally:
             with self._changed:
@@ -461,7 +474,7 @@ class _Client:
             return
         try:
             done = Done(octets=doing.do(self.name, what, octets))
-        except (RtcError, ValueError, msgspec.MsgspecError) as error:
+        except (RtcError, ValueError) as error:
             done = Done(str(error) or type(error).__name__)
         self._reply_done(number, done)
 

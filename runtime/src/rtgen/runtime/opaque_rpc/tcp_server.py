@@ -23,7 +23,7 @@ from rtgen.runtime.opaque_rpc.messages import (
     serve,
 )
 from rtgen.runtime.requests import await_turn, charge
-from rtgen.runtime.sockets import TIME_OVER
+from rtgen.runtime.sockets import TIME_OVER, await_files
 
 _POLL_INTERVAL = 0.2
 """Period [s] at which a waiting server checks whether it was closed, if nothing wakes it."""
@@ -140,6 +140,7 @@ class _Listener:
                 self._wait()
             except OSError as error:
                 log.debug("accept: %s", error)
+                await_files(error)
             else:
                 if not (waited and _has_left(peer)):
                     log.debug("client %s", who)
@@ -162,7 +163,12 @@ class _Listener:
         self._listener.close()
 
     def _wait(self) -> None:
-        with selectors.DefaultSelector() as selector:
+        try:
+            selector = selectors.DefaultSelector()
+        except OSError as error:
+            await_files(error)
+            return
+        with selector:
             try:
                 selector.register(self._listener, selectors.EVENT_READ)
             except ValueError:

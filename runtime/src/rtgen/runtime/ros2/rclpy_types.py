@@ -11,6 +11,7 @@ from typing import Any, Final
 import msgspec
 
 from rtgen.facts.files import UnreadableError, is_file, read_file
+from rtgen.facts.messages import from_json
 from rtgen.runtime.distribution.medium import MediumError
 from rtgen.runtime.failures import log
 
@@ -91,8 +92,8 @@ def _hashes(module: Path, place: str) -> dict[str, str]:
         file = folder / "share" / place
         if is_file(file):
             try:
-                described = msgspec.json.decode(read_file(file), type=_Described)
-            except (UnreadableError, msgspec.DecodeError) as error:
+                described = from_json(read_file(file), _Described)
+            except (UnreadableError, ValueError) as error:
                 raise MediumError(f"{file} cannot be read: {error}") from error
             return {each.type_name: each.hash_string for each in described.type_hashes}
     return {}

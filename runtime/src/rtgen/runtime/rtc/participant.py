@@ -7,7 +7,7 @@ from collections.abc import Callable
 from typing import Any, Protocol
 
 from rtgen.runtime.errors import EndOfRunError
-from rtgen.runtime.failures import log
+from rtgen.runtime.failures import encodable, log
 from rtgen.runtime.return_codes import (
     ACTIVE_STATE,
     ERROR_STATE,
@@ -89,7 +89,7 @@ class Participant:
         if (self.state, Request.FAIL) not in TRANSITIONS:
             return PRECONDITION_NOT_MET
         if Request.FAIL not in self._requests:
-            self._failure = reason
+            self._failure = encodable(reason)
         return self.request(Request.FAIL)
 
     def cycle(self) -> None:
