@@ -11,7 +11,11 @@ from rtgen.compiler.frontends.eds.pdos import PdoReader, mapped_by
 from rtgen.compiler.frontends.eds.rules import pdos as pdo_rules
 from rtgen.compiler.frontends.kit.located_toml import Toml
 from rtgen.compiler.layouts.can_messages import identifier_of, messages
-from rtgen.compiler.layouts.can_services import emergency_cob_id
+from rtgen.compiler.layouts.can_services import (
+    emergency_cob_id,
+    produces_sync,
+    waits_for_sync,
+)
 from rtgen.compiler.layouts.can_startup import obstacles
 from rtgen.compiler.layouts.can_supervision import heartbeat_timeout
 from rtgen.compiler.layouts.can_timing import load, response_times
@@ -32,6 +36,7 @@ _IMPOSSIBLE = {
         pdo_rules.BAD_GAP,
     )
 }
+_SHOWN_PDOS = 4
 _DOUBTFUL = {rule.code for rule in (pdo_rules.OTHER_LENGTH, pdo_rules.GRANULARITY)}
 """A node may have mappings of parts of objects; most refuse them."""
 
@@ -52,6 +57,7 @@ def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
         if rates and bus.bit_rate not in rates:
             message = f"{node.kind.path} does not name {bus.bit_rate} kbit/s"
             yield rules.NO_BIT_RATE.at(toml.span(("bus", "bit_rate")), message)
+    yield from _without_sync(bus)
     yield from _cob_ids(bus)
     yield from _time(bus, toml)
 
@@ -159,6 +165,39 @@ def _consumers(node: BusNode) -> Iterator[Diagnostic]:
                 f"1016:{other:X} and 1016:{variable.subindex:X}"
             )
             yield rules.CONSUMED_TWICE.at(node.span, message)
+
+
+def _without_sync(bus: Bus) -> Iterator[Diagnostic]:
+    if bus.sync or any(map(produces_sync, bus.nodes)):
+        return
+    for node in bus.nodes:
+        waiting = [
+            f"{pdo.direction}{pdo.number}"
+            for direction in PdoDirection
+            for pdo in _waiting(node, direction)
+        ]
+        if waiting:
+            more = ", ..." if len(waiting) > _SHOWN_PDOS else ""
+            names = ", ".join(waiting[:_SHOWN_PDOS]) + more
+            message = f"nobody sends SYNC, for which {node.name} waits: {names}"
+            yield rules.NO_SYNC.at(node.span, message)
+
+
+def _waiting(node: BusNode, direction: PdoDirection) -> Iterator[Pdo]:
+    """Yield the PDOs of a direction that wait for SYNC.
+
+    Those are that the bus file lets wait, or all: some of a device may have no use on a bus.
+    """
+    written = {number for number, _ in node.values}
+    used = [
+        pdo
+        for pdo in node.device.pdos
+        if pdo.direction is direction and pdo.valid and pdo.entries
+    ]
+    for pdo in used:
+        is_chosen = (pdo.communication, 2) in written
+        if waits_for_sync(pdo) and (is_chosen or all(map(waits_for_sync, used))):
+            yield pdo
 
 
 def _cob_ids(bus: Bus) -> Iterator[Diagnostic]:

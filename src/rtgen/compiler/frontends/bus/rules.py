@@ -22,5 +22,6 @@ NO_FACTOR = Rule("EDS0712", "factor that a drive does not state", Severity.ERROR
 OTHER_SYNC = Rule("EDS0713", "node without the SYNC of its network", Severity.ERROR)
 CONSUMED_TWICE = Rule("EDS0714", "two consumers of one heartbeat", Severity.ERROR)
 REFUSED_CHANGE = Rule("EDS0715", "value that a node may refuse", Severity.WARNING)
+NO_SYNC = Rule("EDS0716", "PDO that waits for SYNC in vain", Severity.WARNING)
 
 RULES = rules_of(globals())

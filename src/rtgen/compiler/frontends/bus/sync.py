@@ -9,11 +9,11 @@ from msgspec.structs import replace
 from rtgen.compiler.diagnostics import Diagnostic
 from rtgen.compiler.frontends.bus import rules
 from rtgen.compiler.frontends.bus.values import BadValueError, configured
-from rtgen.compiler.layouts.can_services import sync_cob_id, uses_sync
+from rtgen.compiler.layouts.can_services import produces_sync, sync_cob_id, uses_sync
 from rtgen.compiler.model.can_bus import BusNode
-from rtgen.facts.canopen import NO_RTR, SYNC
+from rtgen.facts.canopen import SYNC
 from rtgen.facts.cob_ids import COB_ID_SYNC, configurable
-from rtgen.facts.write_order import OVERFLOW, PERIOD
+from rtgen.facts.write_order import OVERFLOW
 
 _IDENTIFIER = 0x3FFFFFFF
 """Bits of a COB-ID that a frame must have: its identifier, and whether it has 29 bits."""
@@ -37,7 +37,7 @@ def synchronised(
 
     `counter` is the highest SYNC counter, 0 for none. Reports what cannot be written.
     """
-    produces = sync_cob_id(node) & NO_RTR and node.device.number(*PERIOD)
+    produces = produces_sync(node)
     deaf = uses_sync(node) and sync_cob_id(node) & _IDENTIFIER != cob_id
     if deaf or produces:
         what = f"hears SYNC on {sync_cob_id(node) & _IDENTIFIER:X}h"
