@@ -301,3 +301,49 @@ def test_the_spelling_of_the_paper(tmp_path: Path) -> None:
     text = joined(SERVER, "sServer").replace("RTCPlugin", "RTCPlug-in")
     emission, _ = emit(tmp_path, {"server.cdl": text})
     assert "robots/tecs/server/Server.idl" in texts(emission.artifacts)
+
+
+CELLS = """signature sOne { ER f( void ); };
+celltype tServer { entry sOne eOne; };
+celltype tClient { call sOne cOne; };
+cell tServer Left {}; cell tServer Right {};
+"""
+
+
+@pytest.mark.parametrize(
+    ("options", "messages"),
+    [
+        (("", ""), []),
+        (("port=8932", "port=8931"), []),
+        (("port=8932", ""), ["127.0.0.1:8932 is the channel of User0.cOne, too"]),
+        (("port=8932", "port=8932, address=far"), []),
+        (("device=COM1", "device=COM1"), ["COM1 is the channel of User0.cOne, too"]),
+        (("device=COM1, port=9", "port=9"), []),
+        (("name=Left", "name=Left"), ["name cannot be 'Left': another join has it"]),
+        (
+            ("name=OpaqueRpcCommunication1", ""),
+            ["name cannot be 'OpaqueRpcCommunication1': another join has it"],
+        ),
+    ],
+)
+def test_joins_with_one_channel(
+    tmp_path: Path, options: tuple[str, str], messages: list[str]
+) -> None:
+    cells = "".join(
+        f'cell tClient User{n} {{ [through( RTCPlugin, "{text}" )] cOne = {to}.eOne; }};\n'
+        for n, (text, to) in enumerate(zip(options, ("Left", "Right"), strict=True))
+    )
+    _, findings = emit(tmp_path, {"a.cdl": CELLS + cells})
+    assert [f.message for f in findings] == messages
+    assert all(f.span and f.span.line == 6 and f.hint for f in findings)
+    assert all(f.related[0].span.line == 5 for f in findings)
+
+
+def test_a_join_through_the_plug_in_twice(tmp_path: Path) -> None:
+    through = 'through( RTCPlugin, "" )'
+    cell = f"cell tClient User {{ [{through}, {through}] cOne = Left.eOne; }};\n"
+    _, (finding,) = emit(tmp_path, {"a.cdl": CELLS + cell})
+    assert (finding.code, finding.message) == (
+        "CDL1009",
+        "User.cOne goes through RTCPlugin twice",
+    )

@@ -7,10 +7,12 @@ from pathlib import PurePosixPath
 
 import msgspec
 
-from rtgen.compiler.diagnostics import Diagnostic, Related, Span
+from rtgen.compiler.diagnostics import Diagnostic, Related, Span, has_errors
 from rtgen.compiler.lowering.tecs.options import RtcOptions, read_options
 from rtgen.compiler.lowering.tecs.rules import (
+    BAD_OPTION,
     DIFFERENT_OPTIONS,
+    SAME_CHANNEL,
     SAME_COMPONENT,
     SAME_NAME,
 )
@@ -56,6 +58,12 @@ class RtcJoin(msgspec.Struct, frozen=True):
     def port(self) -> int:
         """The board's TCP port."""
         return self.options.port or FIRST_PORT + self.number
+
+    @property
+    def channel(self) -> str:
+        """The board's serial line, else its TCP address."""
+        options = self.options
+        return options.device or f"{options.address}:{self.port}"
 
     @property
     def path(self) -> str:
@@ -139,6 +147,8 @@ class _Planner:
         if not joins:
             return None
         self.findings += _same_names(services.values())
+        if not has_errors(self.findings):
+            self.findings += _same_channels(joins)
         stem = PurePosixPath(self._unit.file).stem
         return TecsPackage(
             unit=self._unit,
@@ -189,6 +199,39 @@ def _same_names(services: Iterable[Service]) -> Iterator[Diagnostic]:
                 f"both become {service.name}",
                 related=[Related(other.signature.span, "the other is here")],
                 hint="rename one of them",
+            )
+
+
+def _same_channels(joins: Iterable[RtcJoin]) -> Iterator[Diagnostic]:
+    """Yield the joins whose calls go to the server of another one, or nowhere."""
+    channels: dict[str, RtcJoin] = {}
+    instances: dict[str, RtcJoin] = {}
+    paths: dict[str, RtcJoin] = {}
+    for join in joins:
+        place = join.through.span
+        other = instances.setdefault(join.instance, join)
+        if other is not join:
+            yield BAD_OPTION.at(
+                place,
+                f"name cannot be {join.instance!r}: another join has it",
+                related=[Related(other.through.span, "the other is here")],
+                hint="give the RTC of each join a name of its own",
+            )
+        other = paths.setdefault(join.path, join)
+        if other is not join:
+            yield SAME_CHANNEL.at(
+                place,
+                f"{join.path} goes through {PLUGIN} twice",
+                related=[Related(other.through.span, "the other is here")],
+                hint="leave out one of them",
+            )
+            continue
+        other = channels.setdefault(join.channel, join)
+        if other is not join:
+            yield SAME_CHANNEL.at(
+                place,
+                f"{join.channel} is the channel of {other.path}, too",
+                related=[Related(other.through.span, "the other is here")],
             )
 
 

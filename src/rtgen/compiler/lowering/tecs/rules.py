@@ -20,5 +20,6 @@ NOT_TRANSFERRED = Rule(
 SIZE_TOO_EARLY = Rule(
     "CDL1008", "size that the board reads before the call", Severity.WARNING
 )
+SAME_CHANNEL = Rule("CDL1009", "one channel for two joins", Severity.WARNING)
 
 RULES = rules_of(globals())
