@@ -123,6 +123,10 @@ def test_frames_as_people_write_them(frame: str, sent: str) -> None:
         ("front_left.rpdo1 Controlword", "not OBJECT=VALUE"),
         ("front_left.rpdo1 Controlword=x", "is not an integer (u16)"),
         ("front_left.rpdo1 Controlword=70000", "over 65535"),
+        (
+            "front_left.rpdo1 Controlword=1 controlword=2",
+            "front_left.rpdo1: Controlword is given twice",
+        ),
         ("9.rpdo1 Controlword=1", "9 is not described"),
     ],
 )

@@ -710,6 +710,8 @@ def test_what_cannot_be_served(capfd: pytest.CaptureFixture[str]) -> None:
     assert taken_text in capfd.readouterr().err
     assert run(["can", "hub", "--port", "0", "--fault", "fire=1"]) == 2
     assert "'fire=1' is not a fault" in capfd.readouterr().err
+    assert run(["can", "hub", "--port", "0", "--fault", "loss=1@20000000"]) == 2
+    assert "an identifier is at most 1FFFFFFF" in capfd.readouterr().err
     words = ["can", "hub", "--port", "0", "--slcan-pty", "--slcan-channel", "no name"]
     assert run(words) == 3
     assert "'no name' is not a name of a channel" in capfd.readouterr().err

@@ -55,6 +55,17 @@ def test_a_file_of_another_kind(
     assert capsys.readouterr().err == f"Error: {name} is not {kind}\n"
 
 
+def test_two_descriptions_of_one_node(capsys: pytest.CaptureFixture[str]) -> None:
+    """The same one twice is no contradiction."""
+    Path("other.eds").write_bytes(FILES["drive.eds"])
+    monitor = ["can", "monitor", *OF_BUS, "--eds", "1=drive.eds"]
+    assert run([*monitor, "--eds", "1=other.eds"]) == 2
+    error = "Error: --eds other.eds: node-id 1 is that of drive.eds\n"
+    assert capsys.readouterr().err == error
+    for other in ("1=drive.eds", "2=other.eds"):
+        assert run([*monitor, "--eds", other]) == 0
+
+
 @pytest.mark.parametrize("name", ["lamp.cdl", "editor.cde", "lamp.txt"])
 def test_a_name_of_no_other_kind(name: str, capsys: pytest.CaptureFixture[str]) -> None:
     assert run(["rpc", "list", name]) == 0

@@ -213,6 +213,7 @@ def read_node_index(
             described.append(device)
     if has_errors(findings):
         raise InputError(d for d in findings if d.severity is Severity.ERROR)
+    _check_ids(described)
     for node_id, name, device in _named(described):
         nodes[node_id] = describe_node(node_id, name, device)
     return NodeIndex(nodes=dict(sorted(nodes.items())), bus=bus)
@@ -246,6 +247,17 @@ def _check_kinds(
             raise Refusal(f"--eds {path}: that looks like a bus file: --bus FILE")
         if is_other_kind(path, DEVICE_SUFFIXES):
             raise Refusal(f"{path} is not a description of a device")
+
+
+def _check_ids(devices: Iterable[Device]) -> None:
+    """Raise Refusal if two descriptions are of one node."""
+    files: dict[int | None, str] = {}
+    for device in devices:
+        other = files.setdefault(device.node_id, device.file)
+        if other != device.file:
+            raise Refusal(
+                f"--eds {device.file}: node-id {device.node_id} is that of {other}"
+            )
 
 
 def describe_node(

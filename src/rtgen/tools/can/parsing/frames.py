@@ -95,6 +95,7 @@ def _pdo(head: str, assignments: list[str], node_index: NodeIndex) -> Frame:
 def _packed(node: DescribedNode, route: Route, assignments: Iterable[str]) -> bytes:
     """Return the data of a PDO; objects without an assignment are 0."""
     mapped = {s.thing.name.lower(): s for s in route.mapped}
+    given: set[str] = set()
     whole = 0
     for text in assignments:
         name, equals, value = text.partition("=")
@@ -108,6 +109,9 @@ def _packed(node: DescribedNode, route: Route, assignments: Iterable[str]) -> by
             detail = hint or f"it has {names}"
             raise Refusal(f"{node.name}.{route.pdo} has no {name!r}; {detail}")
         thing = entry.thing
+        if thing.name in given:
+            raise Refusal(f"{node.name}.{route.pdo}: {thing.name} is given twice")
+        given.add(thing.name)
         try:
             raw = to_bits(thing.kind, parsed_value(thing, value), entry.bits)
         except ObjectValueError as error:
