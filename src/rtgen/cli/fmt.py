@@ -6,6 +6,7 @@ import re
 import sys
 from collections.abc import Iterator
 from dataclasses import dataclass
+from functools import cache
 from pathlib import Path
 
 import click
@@ -17,7 +18,7 @@ from rtgen.compiler.diagnostics import Diagnostic, InputError, has_errors
 from rtgen.compiler.frontends.kit.library import MAX_BYTES
 from rtgen.compiler.project import Project, load, shown
 from rtgen.compiler.project import files as files_below
-from rtgen.compiler.project.output import Change
+from rtgen.compiler.project.output import MANIFEST, Change
 from rtgen.compiler.project.rewriting import rewrite
 from rtgen.facts.extras import installation
 from rtgen.facts.files import UnreadableError, read_file
@@ -152,9 +153,13 @@ def _files(project: Project, paths: tuple[str, ...]) -> Iterator[Path]:
     if not paths and project.file is None:
         raise click.UsageError("no rtgen.toml here or in a folder above: name a PATH")
     named = [Path(path) for path in paths] or project.sources
+    # The output folder of a project is rtgen's own.
+    is_output = cache(lambda folder: (folder / MANIFEST).is_file())
     for path in files_below(named, skip=project.output):
         if path in named and paths:
             check_name(path.as_posix())
+        elif any(map(is_output, path.absolute().parents)):
+            continue
         if path.suffix.lower() in SUFFIXES:
             yield path
 

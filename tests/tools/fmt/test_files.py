@@ -11,6 +11,7 @@ import pytest
 from rtgen.cli import run
 from rtgen.tools.fmt.files import format_bytes
 
+SPECS = Path(__file__).parents[3] / "specs"
 LOOSE = b"struct  S{long a;};\n"
 NEAT = b"struct S { long a; };\n"
 
@@ -156,6 +157,29 @@ def test_standard_input(
     monkeypatch.setattr(sys, "stdin", io.TextIOWrapper(io.BytesIO(data)))
     assert run(["fmt", *arguments]) == code
     assert capfdbinary.readouterr().out == printed
+
+
+def test_generated_files_of_a_project_below_a_folder(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """They stay, while the definitions beside them are formatted."""
+    monkeypatch.chdir(tmp_path)
+    project = Path("arm")
+    project.mkdir()
+    definition = project / "arm.eds"
+    definition.write_bytes((SPECS / "canopen" / "epos_drive.eds").read_bytes())
+    (project / "rtgen.toml").write_text('[sources]\npaths = ["arm.eds", "a.idl"]\n')
+    (project / "a.idl").write_bytes(LOOSE)
+    monkeypatch.chdir(project)
+    assert run(["generate", "-q"]) == 0
+    monkeypatch.chdir(tmp_path)
+    [idl] = (project / "generated").rglob("*.idl")
+    before = idl.read_bytes()
+    assert run(["fmt", "-q", "."]) == 0
+    assert (project / "a.idl").read_bytes() == NEAT
+    assert idl.read_bytes() == before
+    assert run(["fmt", "-q", str(idl)]) == 0
+    assert idl.read_bytes() != before
 
 
 def test_without_paths_and_without_a_project(
