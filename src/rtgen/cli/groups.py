@@ -88,6 +88,14 @@ class LazyGroup(click.Group):
     ) -> None:
         write_description(self, formatter)
 
+    def format_options(
+        self, ctx: click.Context, formatter: click.HelpFormatter
+    ) -> None:
+        records = [each.get_help_record(ctx) for each in self.get_params(ctx)]
+        with formatter.section(translated_word("Options")):
+            formatter.write_dl([(n, translated(t)) for n, t in filter(None, records)])
+        self.format_commands(ctx, formatter)
+
     def format_commands(
         self, ctx: click.Context, formatter: click.HelpFormatter
     ) -> None:

@@ -7,6 +7,7 @@ inserted choice between constants, such as a plural, gives a template for each.
 from __future__ import annotations
 
 import ast
+import errno
 import inspect
 import json
 import os
@@ -36,7 +37,7 @@ FOLDERS = (
     ROOT / "runtime/src/rtgen/facts",
     *(
         ROOT / "runtime/src/rtgen/runtime" / name
-        for name in ("distribution", "ports", "rtc", "services", "system")
+        for name in ("distribution", "opaque_rpc", "ports", "rtc", "services", "system")
     ),
 )
 _MAX_CHOICES = 64
@@ -189,12 +190,28 @@ WORDS = (
 )
 """Words that stand alone, which `printed_texts` does not find."""
 
+OF_SYSTEMS = (
+    *(errno.EACCES, errno.EADDRINUSE, errno.EADDRNOTAVAIL, errno.EBUSY),
+    *(errno.ECONNREFUSED, errno.ECONNRESET, errno.EEXIST, errno.EHOSTUNREACH),
+    *(errno.EISDIR, errno.ENAMETOOLONG, errno.ENETDOWN, errno.ENETUNREACH),
+    *(errno.ENODEV, errno.ENOENT, errno.ENOSPC, errno.ENOTDIR, errno.ENOTEMPTY),
+    *(errno.ENXIO, errno.EPERM, errno.EPIPE, errno.EROFS, errno.ETIMEDOUT),
+)
+"""Errors of systems, with files, devices and connections, whose texts messages end with."""
+
 OTHERS = (
     *(f"{{0}} {each}{s}" for each in ("error", "warning", "note") for s in ("", "s")),
     *(f"{{0}} {each}{s}" for each in ("frame", "change") for s in ("", "s")),
     *(f"{{0}} {each}" for each in ("passed", "failed", "skipped")),
-    "No such file or directory",
     "Unclosed array",
+    # Of the JSON of Python:
+    "{0}: line {1} column {2} (char {3})",
+    "Expecting value",
+    "Expecting property name enclosed in double quotes",
+    "Expecting ',' delimiter",
+    "Expecting ':' delimiter",
+    "Extra data",
+    "Unterminated string starting at",
     # Of click:
     "Usage: {0}",
     "Try '{0}' for help.",
@@ -308,10 +325,7 @@ OTHERS = (
     "{0} at {1} s raises {2}",
     "the {0}, {1}, is not allowed here{2}",
     "the kind of execution context {0} cannot be written to rtc.conf",
-    "File name too long",
-    "Not a directory",
-    "Is a directory",
-    "Permission denied",
+    *map(os.strerror, OF_SYSTEMS),
     "the port {0} is not in the IDL of {1}",
     "the port {0} of the IDL is missing in the profile",
     "the port {0} is {1} here, {2} in the IDL",
@@ -348,6 +362,27 @@ def printed_texts() -> frozenset[str]:
 def words_alone() -> frozenset[str]:
     """Return the words that stand alone, such as the heads of columns."""
     return _printed_texts(_ALONE) | set(WORDS)
+
+
+_RAISED = frozenset(
+    {
+        *("ArgumentError", "CanValueError", "JsonError", "Refusal", "RefusedError"),
+        *("ValueError", "_RefusalError", "refused"),
+    }
+)
+"""The errors whose text is a part of a message, and a function that makes one."""
+
+
+def raised_texts() -> frozenset[str]:
+    """Return the templates of the errors that messages consist of, or end with."""
+    texts = set()
+    for tree in modules():
+        for call in _nodes(tree):
+            if isinstance(call, ast.Call) and call.args:
+                name = getattr(call.func, "attr", getattr(call.func, "id", ""))
+                if name in _RAISED:
+                    texts.update(_texts(call.args[0], {}, {}))
+    return frozenset(texts)
 
 
 def help_texts() -> set[str]:

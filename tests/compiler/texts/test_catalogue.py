@@ -7,6 +7,7 @@ adds is empty, and these tests fail until it is translated.
 from __future__ import annotations
 
 import io
+import os
 import re
 from collections.abc import Iterator
 from functools import cache
@@ -92,6 +93,20 @@ def test_what_is_said_beside_rules_is_in_the_catalogue() -> None:
     """Titles of all rules, help, and what commands print that are no diagnostics."""
     entries = {str(m.id) for m in ja() if m.string and not m.context}
     assert sorted(beside_rules() - entries) == []
+
+
+def test_errors_that_messages_end_with_are_in_the_catalogue() -> None:
+    """What is raised with a text for people, and what systems say of files and connections."""
+    english = {}
+    systems = map(os.strerror, extraction.OF_SYSTEMS)
+    for template in extraction.raised_texts().union(map(extraction.plain, systems)):
+        text = template.format(*(f"'v{number}'" for number in range(20)))
+        japanese = catalogue().translated(text)
+        if PROSE.search(QUOTED.sub("", text)) and (
+            japanese == text or ENGLISH.search(QUOTED.sub("", japanese))
+        ):
+            english[template] = japanese
+    assert not english
 
 
 def test_words_that_stand_alone_are_in_the_catalogue() -> None:
@@ -188,6 +203,37 @@ def test_what_the_golden_cases_show_is_said_in_japanese() -> None:
             if japanese == text or ENGLISH.search(QUOTED.sub("", japanese)):
                 english[code, text] = (file.parent.name, japanese)
     assert not english
+
+
+@pytest.mark.parametrize(
+    ("english", "japanese"),
+    [
+        ("/x: No such file or directory", "/x: ないファイルかフォルダ"),
+        ("'of' is a keyword or a name of Python", "'of' は Python の語か名前"),
+        ("no port 'x'; known: a or b", "ポート 'x' なし。既知: a か b"),
+        ("a.rate: is one of 1, 2", "a.rate は 1, 2 の一つ"),
+    ],
+)
+def test_the_least_of_a_text_stays_english(english: str, japanese: str) -> None:
+    """Of the ways to read a text, that is taken which has the shortest values."""
+    sample = Catalogue(
+        {
+            "{0} or {1}": "{0} か {1}",
+            "{0} of {1}": "{1} の {0}",
+            "{0} is {1}": "{0} は {1}",
+            "a {0}": "{0}",
+            "{0}: {1}": "{0}: {1}",
+            "{0}; {1}": "{0}。{1}",
+            "No such file or directory": "ないファイルかフォルダ",
+            "is a keyword or a name of Python": "は Python の語か名前",
+            "no port '{0}'": "ポート '{0}' なし",
+            "no {0}; known: {1}": "{0} がない。既知: {1}",
+            "known: {0}": "既知: {0}",
+            "{0}: is one of {1}": "{0} は {1} の一つ",
+            "is one of {0}": "は {0} の一つ",
+        }
+    )
+    assert sample.translated(english) == japanese
 
 
 @pytest.mark.parametrize(

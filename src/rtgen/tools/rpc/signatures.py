@@ -84,7 +84,9 @@ class CdlFiles:
         name = name.removeprefix("::")
         units = {s.span.file: unit for unit, s in signatures if s.scoped == name}
         if not units:
-            raise _unknown("signature", name, [s.scoped for _, s in signatures])
+            raise _unknown(
+                f"no signature {name!r}", name, [s.scoped for _, s in signatures]
+            )
         if len(units) > 1:
             raise refused(
                 f"the signature {name!r} is in {' and '.join(units)}: --cdl names one"
@@ -99,7 +101,9 @@ class CdlFiles:
             raise refused(f"{name!r}: name the function as SIGNATURE.FUNCTION")
         service = self.service(signature, wire)
         if function not in service.functions:
-            raise _unknown("function", function, list(service.functions))
+            raise _unknown(
+                f"no function {function!r}", function, list(service.functions)
+            )
         return service.functions[function]
 
 
@@ -118,7 +122,7 @@ def service_of(
     signatures = {d.scoped: d for d in signatures_of(unit)}
     signature = signatures.get(name.removeprefix("::"))
     if signature is None:
-        raise _unknown("signature", name, list(signatures))
+        raise _unknown(f"no signature {name!r}", name, list(signatures))
     try:
         return Service(unit, signature, wire.tdr, wire.reply, limit)
     except TransferError as error:
@@ -156,12 +160,12 @@ def octets(text: str) -> bytes:
         raise refused(f"{text[:40]!r} is not hex: write {digits}") from error
 
 
-def _unknown(what: str, name: str, names: list[str]) -> Refusal:
+def _unknown(message: str, name: str, names: list[str]) -> Refusal:
     from difflib import get_close_matches
 
     close = get_close_matches(name, names, n=1)
     hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names)}"
-    return refused(f"no {what} {name!r}; {hint}")
+    return refused(f"{message}; {hint}")
 
 
 def refused(message: str) -> Refusal:

@@ -30,10 +30,10 @@ def findings(system: runtime.System) -> Iterator[Diagnostic]:
         file = shown(Path(name))
         span = skeletons.place(text, file, class_.__name__)
         if span is not None:
-            verb = "do" if len(names) > 1 else "does"
             yield SKELETON.at(
                 span,
-                f"{', '.join(names)} {verb} nothing: the behaviour is a skeleton",
+                f"{', '.join(names)} {'do' if len(names) > 1 else 'does'} nothing: "
+                "the behaviour is a skeleton",
                 hint="write its callbacks; of a renamed component rtgen check finds the behaviour",
             )
         packages = {base.__module__.partition(".")[0] for base in class_.__mro__}

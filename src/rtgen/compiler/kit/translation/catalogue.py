@@ -55,11 +55,12 @@ _QUOTED = re.compile(r"'[^']*'|`[^`]*`|\"[^\"]*\"")
 class Template:
     """The constant parts of a text with insertions; `size` is the number of their characters.
 
-    A template `joins` texts if it has no letters itself, such as `{0}: {1}`. A name that is
-    `quoted` is the same in all languages.
+    A template `joins` texts if it has no letters itself, such as `{0}: {1}`; it `divides` them if
+    it has such a mark, and `heads` the only one, such as `Error: {0}`. A name that is `quoted` is
+    the same in all languages.
     """
 
-    __slots__ = ("joins", "parts", "quoted", "size")
+    __slots__ = ("divides", "heads", "joins", "parts", "quoted", "size")
 
     def __init__(self, text: str) -> None:
         self.parts = constant_parts(text)
@@ -69,6 +70,8 @@ class Template:
             for before, after in pairwise(self.parts)
         ]
         self.joins = not any(map(str.isalpha, "".join(self.parts)))
+        self.heads = self.parts[1:] == [""] and self.parts[0].endswith(": ")
+        self.divides = any(map(_ADDITION.search, self.parts))
 
     def values(self, text: str) -> list[str] | None:
         """Return what is inserted in `text`; None if it is not made from this template."""
@@ -183,39 +186,60 @@ class Catalogue:
     def _made(self, text: str, depth: int, known: _Known) -> _Translation | None:
         plain = self._plain.get(text)
         if plain is not None:
-            return _Translation(plain)
+            return _Translation(plain, len(text))
         if depth == 0 or not 1 < len(text) <= _MOST_TEXT:
             return None
-        mixed = None
+        best = self._said_of(text)
         for template, translation in self._candidates(text):
             values = template.values(text)
             if values is None:
                 continue
-            inner = [
-                (
-                    None
-                    if quoted and " " not in value
-                    else self._whole(value, depth - 1, known)
-                )
-                for value, quoted in zip(values, template.quoted, strict=True)
-            ]
-            found = [
-                each or _Translation(value, is_whole=quoted or not _is_prose(value))
-                for value, each, quoted in zip(
-                    values, inner, template.quoted, strict=True
-                )
-            ]
-            shown = _joined(translation, [each.text for each in found])
-            if all(each.is_whole for each in found):
-                return _Translation(shown)
-            tells = any(inner) if template.joins else template.size >= _FEW
-            if mixed is None and tells:
-                mixed = _Translation(shown, is_whole=False)
-        if mixed is None and (said := _SAID_OF.fullmatch(text)):
+            made = self._filled(template, translation, values, depth - 1, known)
+            if made is not None and (best is None or made.rank > best.rank):
+                best = made
+        if (best is None or not best.is_whole) and (said := _SAID_OF.fullmatch(text)):
             what = self._translated(said["what"], depth - 1, known)
             if what is not None and (what.is_whole or said["subject"][0] == _QUOTE):
                 return what._replace(text=f"{said['subject']} {what.text}")
-        return mixed
+        return best
+
+    def _said_of(self, text: str) -> _Translation | None:
+        """Return the translation of what is said of a value, if the catalogue has that."""
+        said = _SAID_OF.fullmatch(text)
+        what = None if said is None else self._plain.get(said["what"])
+        if said is None or what is None:
+            return None
+        return _Translation(f"{said['subject']} {what}", len(said["what"]))
+
+    def _filled(
+        self,
+        template: Template,
+        translation: str,
+        values: list[str],
+        depth: int,
+        known: _Known,
+    ) -> _Translation | None:
+        """Return a translation with its insertions; None if it would not be understood."""
+        inner = [
+            None if quoted and " " not in value else self._whole(value, depth, known)
+            for value, quoted in zip(values, template.quoted, strict=True)
+        ]
+        english = [
+            each is None and not quoted and _is_prose(value)
+            for each, value, quoted in zip(inner, values, template.quoted, strict=True)
+        ]
+        tells = template.heads or template.size >= _FEW
+        if template.joins:
+            tells = any(inner)
+        if any(english) and not tells:
+            return None
+        shown = [
+            value if each is None else each.text
+            for value, each in zip(values, inner, strict=True)
+        ]
+        size = template.size + sum(each.size for each in inner if each is not None)
+        text = _joined(translation, shown)
+        return _Translation(text, size, not any(english), template.divides)
 
     def _candidates(self, text: str) -> list[tuple[Template, str]]:
         """Return the templates that begin and end with an insertion, or as a text does."""
@@ -239,10 +263,20 @@ class Catalogue:
 
 
 class _Translation(NamedTuple):
-    """A text; not `is_whole` with insertions that are sentences and not translated."""
+    """A text; not `is_whole` with insertions that are sentences and not translated.
+
+    `size` is the number of the English characters that are not values; `divided`: between clauses.
+    """
 
     text: str
+    size: int
     is_whole: bool = True
+    divided: bool = False
+
+    @property
+    def rank(self) -> tuple[bool, int, bool]:
+        """The better of two translations has the greater one."""
+        return self.is_whole, self.size, self.divided
 
 
 _Known: TypeAlias = dict[tuple[str, int], _Translation | None]
