@@ -10,7 +10,6 @@ import time
 from collections import Counter
 from collections.abc import Awaitable, Callable
 from concurrent.futures import ThreadPoolExecutor
-from contextlib import suppress
 from dataclasses import dataclass, field
 from functools import partial
 from mimetypes import guess_type
@@ -60,6 +59,8 @@ TOO_MANY: Final = 1013
 """The code that closes the socket of a further page (RFC 6455, 7.4.2)."""
 JOINS: Final = 20.0
 """Sockets of pages without full rights that are opened at once, and in each second after."""
+MAX_JOINING: Final = 320
+"""Maximum number of such sockets that wait; further ones are closed."""
 _LONGEST_JOIN: Final = 5.0
 """Longest time for which such a socket waits [s]."""
 _WAITING: Final = {True: 64, False: 8}
@@ -124,12 +125,16 @@ def application(
     # Compiled while the first page is on its way.
     _ENCODING[True].submit(lambda: (ui.ServerMessage.to_cdr, ui.ClientMessage.from_cdr))
     pages = Counter[bool]()
-    joining = Rates(JOINS, JOINS, JOINS)
+    joins = Rates(JOINS, JOINS, JOINS)
+    joining: set[WebSocket] = set()
 
     async def socket(websocket: WebSocket) -> None:
         right = _right(websocket, tokens)
-        if not right:
-            await asyncio.sleep(min(joining.delay(None, 1), _LONGEST_JOIN))
+        is_crowded = not right and len(joining) >= MAX_JOINING
+        if not right and not is_crowded:
+            joining.add(websocket)
+            await asyncio.sleep(min(joins.delay(None, 1), _LONGEST_JOIN))
+            joining.discard(websocket)
         offered = websocket.scope.get("subprotocols", ())
         # A page can only read the code of a socket that was open, which needs its protocol.
         await websocket.accept(
@@ -139,14 +144,12 @@ def application(
             await websocket.close(WRONG_ORIGIN)
         elif right is None:
             await websocket.close(WRONG_TOKEN)
-        elif pages[right] >= MAX_PAGES:
+        elif is_crowded or pages[right] >= MAX_PAGES:
             await websocket.close(TOO_MANY)
         else:
             pages[right] += 1
             try:
-                # When the server ends, it cancels what serves a page that does not read.
-                with suppress(asyncio.CancelledError):
-                    await _serve(websocket, session, commands, full=right)
+                await _serve(websocket, session, commands, full=right)
             finally:
                 pages[right] -= 1
 
@@ -275,6 +278,26 @@ class _Guarded:
         self._app = app
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        is_begun = False
+
+        async def send_noted(message: Message) -> None:
+            nonlocal is_begun
+            is_begun = True
+            await send(message)
+
+        try:
+            await self._answer(scope, receive, send_noted)
+        except asyncio.CancelledError:
+            # The server ends, and does not wait for clients that are slow.
+            if is_begun:
+                return
+            if scope["type"] == "websocket":
+                await send({"type": "websocket.close"})
+            else:
+                refusal = PlainTextResponse("the server has ended", 503)
+                await refusal(scope, receive, send)
+
+    async def _answer(self, scope: Scope, receive: Receive, send: Send) -> None:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

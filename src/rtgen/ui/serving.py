@@ -2,16 +2,23 @@
 
 from __future__ import annotations
 
+import asyncio
 import socket
 from collections.abc import Callable
 from pathlib import Path
+from typing import cast
 
 import uvicorn
+from uvicorn.protocols.http.h11_impl import H11Protocol
 
 from rtgen.compiler.diagnostics import ToolError
 from rtgen.ui.arrangements import Arrangements
 from rtgen.ui.server import MAX_MESSAGE_SIZE, PAGE, Served, Tokens, application
 
+MAX_CONNECTIONS = 320
+"""Maximum number of connections that are not those of pages: requests, and silent ones."""
+_AT_ONCE = 64
+"""Maximum number of connections that are accepted before the oldest are ended."""
 _PATIENCE = 2
 """Time for pages to close their sockets when the server ends [s]."""
 
@@ -54,6 +61,8 @@ class Server:
                 log_level="error",
                 lifespan="off",
                 ws="websockets-sansio",
+                http=_bounded(),
+                backlog=_AT_ONCE,
                 ws_max_size=MAX_MESSAGE_SIZE,
                 ws_per_message_deflate=False,  # loopback has no need of it
                 timeout_graceful_shutdown=_PATIENCE,
@@ -73,8 +82,32 @@ class Server:
             ready()
             await self._server.serve(sockets=[self._socket])
         finally:
+            # Nobody waits for those who do not read the answer.
+            for each in self._server.server_state.connections:
+                if isinstance(each, H11Protocol):
+                    each.transport.abort()
             self._session.close()
 
     def stop(self) -> None:
         """End `run`; from any thread."""
         self._server.should_exit = True
+
+
+def _bounded() -> type[H11Protocol]:
+    """Return a protocol of which at most MAX_CONNECTIONS wait or are served.
+
+    A further one ends that which began first, so that who opens many, and asks for nothing, neither
+    takes the files of the process nor keeps others out.
+    """
+    begun: list[H11Protocol] = []
+
+    class Bounded(H11Protocol):
+        def connection_made(self, transport: asyncio.BaseTransport) -> None:
+            super().connection_made(cast(asyncio.Transport, transport))
+            # Those that have ended, or have become sockets of pages, are no longer in the set.
+            begun[:] = [each for each in begun if each in self.connections]
+            begun.append(self)
+            if len(begun) > MAX_CONNECTIONS:
+                begun.pop(0).transport.abort()
+
+    return Bounded

@@ -6,7 +6,7 @@ import asyncio
 import gc
 import threading
 from collections.abc import Iterator
-from contextlib import ExitStack, suppress
+from contextlib import ExitStack, contextmanager, suppress
 from http.client import HTTPConnection
 from pathlib import Path
 from select import select
@@ -20,6 +20,7 @@ from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import ClientConnection, connect
 
 from rtgen.runtime import SimulatedClock
+from rtgen.ui.arrangements import Arrangements
 from rtgen.ui.project_systems import CommandProject
 from rtgen.ui.protocol import ui
 from rtgen.ui.server import MAX_MESSAGE_SIZE
@@ -34,8 +35,15 @@ def served(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Server]:
     (folder / "page" / "index.html").write_text("<title>rtgen</title>")
     (folder / "page" / "assets" / "page.js").write_text("export {};")
     (folder / "secret.txt").write_text("secret")
+    with serving(folder / "page") as server:
+        yield server
+
+
+@contextmanager
+def serving(page: Path, arrangements: Arrangements | None = None) -> Iterator[Server]:
+    """Serve a session, and end the server."""
     session = Session(CommandProject(QUIET, [str(GOAL)]), str(GOAL), SimulatedClock)
-    server = Server(session, "127.0.0.1", 0, folder / "page")
+    server = Server(session, "127.0.0.1", 0, page, arrangements=arrangements)
     ready = threading.Event()
     thread = threading.Thread(target=lambda: asyncio.run(server.run(ready.set)))
     thread.start()
@@ -332,6 +340,50 @@ def test_pages_beyond_the_limit_are_refused_by_their_rights(
             assert joined(operator).components
     with opened(served, read_only) as again:
         assert joined(again).components
+
+
+def test_connections_that_ask_for_nothing_keep_nobody_out(
+    served: Server, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("rtgen.ui.serving.MAX_CONNECTIONS", 4)
+    monkeypatch.setattr("rtgen.ui.server.MAX_JOINING", 0)
+    place = served.host, served.port
+    with ExitStack() as stack, opened(served, served.tokens.full) as operator:
+        for beginning in (b"", b"GET / HTTP/1.1\r\n", b"PUT /x HTTP/1.1\r\nX: "):
+            silent = [stack.enter_context(create_connection(place)) for _ in range(4)]
+            for each in silent:
+                each.settimeout(PATIENCE)
+                each.sendall(beginning)
+            assert get(served, "/")[0] == 200
+            with suppress(ConnectionResetError):
+                assert silent[0].recv(1) == b""
+        with opened(served, served.tokens.read_only) as crowding:
+            assert ended_with(crowding) == 1013
+        assert joined(operator).components
+
+
+def test_a_server_ends_beside_clients_that_neither_read_nor_finish(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capfd: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("rtgen.ui.serving._PATIENCE", 0)
+    (tmp_path / "assets").mkdir()
+    (tmp_path / "index.html").write_text("<title>rtgen</title>")
+    (tmp_path / "assets" / "page.js").write_bytes(bytes(1 << 24))
+    with ExitStack() as stack, serving(tmp_path, Arrangements(tmp_path)) as server:
+        place = server.host, server.port
+        host = f"HTTP/1.1\r\nHost: {server.host}:{server.port}\r\n"
+        token = server.tokens.full
+        put = f"PUT /arrangements/{'a' * 64}?token={token} {host}"
+        for text in (
+            f"GET /assets/page.js {host}\r\n" * 4,
+            f"{put}Expect: 100-continue\r\nContent-Length: 9\r\n\r\n",
+        ):
+            client = stack.enter_context(create_connection(place))
+            client.settimeout(PATIENCE)
+            client.sendall(text.encode())
+            assert client.recv(1)
+        assert get(server, "/")[0] == 200
+    assert "Traceback" not in capfd.readouterr().err
 
 
 def test_a_missing_page_is_told(served: Server, tmp_path: Path) -> None:
