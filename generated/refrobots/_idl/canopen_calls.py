@@ -4,280 +4,59 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, field
-from rtgen.runtime.services.calls import Call
+from rtgen.runtime.services.call_types import CallTypes
 
 from .canopen import (
     BusGone,
-    NodeStateSeq,
     ObjectValue,
-    Octets,
     Refused,
     SdoAbort,
     _NodeStateSeq_alias,
     _Octets_alias,
 )
 
-
-class CANopen_SdoAbort_raised(Aggregated):
-    """The reply with the exception `CANopen::SdoAbort`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen.SdoAbort raised",
-        idl.traits(repository_id="IDL:CANopen/SdoAbort:1.0"),
-        _id=idl.STRING,
-        code=idl.UNSIGNED_LONG,
-        text=idl.STRING,
-    )
-
-    _id: str = ""
-    code: int = 0
-    """The abort code (CiA 301, table 22)."""
-    text: str = ""
-    """Meaning of the code."""
-
-
-class CANopen_BusGone_raised(Aggregated):
-    """The reply with the exception `CANopen::BusGone`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen.BusGone raised",
-        idl.traits(repository_id="IDL:CANopen/BusGone:1.0"),
-        _id=idl.STRING,
-        reason=idl.STRING,
-    )
-
-    _id: str = ""
-    reason: str = ""
-
-
-class ObjectDictionary_read_request(Aggregated):
-    """Arguments of `CANopen::ObjectDictionary::read`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::ObjectDictionary.read request",
-        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/read:1.0"),
-        index=idl.UNSIGNED_SHORT,
-        subindex=idl.OCTET,
-    )
-
-    index: int = 0
-    subindex: int = 0
-
-
-class ObjectDictionary_read_reply(Aggregated):
-    """Results of `CANopen::ObjectDictionary::read`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::ObjectDictionary.read reply",
-        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/read:1.0"),
-        _result=_Octets_alias,
-    )
-
-    _result: Octets = b""
-
-
-class ObjectDictionary_write_request(Aggregated):
-    """Arguments of `CANopen::ObjectDictionary::write`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::ObjectDictionary.write request",
-        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/write:1.0"),
-        index=idl.UNSIGNED_SHORT,
-        subindex=idl.OCTET,
-        value=_Octets_alias,
-    )
-
-    index: int = 0
-    subindex: int = 0
-    value: Octets = b""
-
-
-class ObjectDictionary_get_request(Aggregated):
-    """Arguments of `CANopen::ObjectDictionary::get`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::ObjectDictionary.get request",
-        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/get:1.0"),
-        index=idl.UNSIGNED_SHORT,
-        subindex=idl.OCTET,
-    )
-
-    index: int = 0
-    subindex: int = 0
-
-
-class ObjectDictionary_get_reply(Aggregated):
-    """Results of `CANopen::ObjectDictionary::get`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::ObjectDictionary.get reply",
-        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/get:1.0"),
-        _result=ObjectValue,
-    )
-
-    _result: ObjectValue = field(default_factory=ObjectValue)
-
-
-class ObjectDictionary_set_request(Aggregated):
-    """Arguments of `CANopen::ObjectDictionary::set`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::ObjectDictionary.set request",
-        idl.traits(repository_id="IDL:CANopen/ObjectDictionary/set:1.0"),
-        index=idl.UNSIGNED_SHORT,
-        subindex=idl.OCTET,
-        value=ObjectValue,
-    )
-
-    index: int = 0
-    subindex: int = 0
-    value: ObjectValue = field(default_factory=ObjectValue)
-
-
-class Manager_states_reply(Aggregated):
-    """Results of `CANopen::Manager::states`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::Manager.states reply",
-        idl.traits(repository_id="IDL:CANopen/Manager/states:1.0"),
-        _result=_NodeStateSeq_alias,
-    )
-
-    _result: NodeStateSeq = field(default_factory=list)
-
-
-class CANopen_Refused_raised(Aggregated):
-    """The reply with the exception `CANopen::Refused`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen.Refused raised",
-        idl.traits(repository_id="IDL:CANopen/Refused:1.0"),
-        _id=idl.STRING,
-        reason=idl.STRING,
-    )
-
-    _id: str = ""
-    reason: str = ""
-
-
-class Manager_start_request(Aggregated):
-    """Arguments of `CANopen::Manager::start`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::Manager.start request",
-        idl.traits(repository_id="IDL:CANopen/Manager/start:1.0"),
-        node_id=idl.OCTET,
-    )
-
-    node_id: int = 0
-
-
-class Manager_stop_request(Aggregated):
-    """Arguments of `CANopen::Manager::stop`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::Manager.stop request",
-        idl.traits(repository_id="IDL:CANopen/Manager/stop:1.0"),
-        node_id=idl.OCTET,
-    )
-
-    node_id: int = 0
-
-
-class Manager_enter_pre_operational_request(Aggregated):
-    """Arguments of `CANopen::Manager::enter_pre_operational`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::Manager.enter_pre_operational request",
-        idl.traits(repository_id="IDL:CANopen/Manager/enter_pre_operational:1.0"),
-        node_id=idl.OCTET,
-    )
-
-    node_id: int = 0
-
-
-class Manager_reset_node_request(Aggregated):
-    """Arguments of `CANopen::Manager::reset_node`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::Manager.reset_node request",
-        idl.traits(repository_id="IDL:CANopen/Manager/reset_node:1.0"),
-        node_id=idl.OCTET,
-    )
-
-    node_id: int = 0
-
-
-class Manager_reset_communication_request(Aggregated):
-    """Arguments of `CANopen::Manager::reset_communication`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "CANopen::Manager.reset_communication request",
-        idl.traits(repository_id="IDL:CANopen/Manager/reset_communication:1.0"),
-        node_id=idl.OCTET,
-    )
-
-    node_id: int = 0
-
-
-_CALLS: dict[str, dict[str, Call]] = {
+_CALLS: dict[str, dict[str, CallTypes]] = {
     "IDL:CANopen/ObjectDictionary:1.0": {
-        "read": Call(
-            request=ObjectDictionary_read_request,
-            reply=ObjectDictionary_read_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+        "read": CallTypes(
+            request={"index": idl.UNSIGNED_SHORT, "subindex": idl.OCTET},
+            reply={"_result": _Octets_alias},
+            raises=(SdoAbort, BusGone),
         ),
-        "write": Call(
-            request=ObjectDictionary_write_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+        "write": CallTypes(
+            request={
+                "index": idl.UNSIGNED_SHORT,
+                "subindex": idl.OCTET,
+                "value": _Octets_alias,
+            },
+            raises=(SdoAbort, BusGone),
         ),
-        "get": Call(
-            request=ObjectDictionary_get_request,
-            reply=ObjectDictionary_get_reply,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+        "get": CallTypes(
+            request={"index": idl.UNSIGNED_SHORT, "subindex": idl.OCTET},
+            reply={"_result": ObjectValue},
+            raises=(SdoAbort, BusGone),
         ),
-        "set": Call(
-            request=ObjectDictionary_set_request,
-            raises=(
-                (CANopen_SdoAbort_raised, SdoAbort),
-                (CANopen_BusGone_raised, BusGone),
-            ),
+        "set": CallTypes(
+            request={
+                "index": idl.UNSIGNED_SHORT,
+                "subindex": idl.OCTET,
+                "value": ObjectValue,
+            },
+            raises=(SdoAbort, BusGone),
         ),
     },
     "IDL:CANopen/Manager:1.0": {
-        "states": Call(reply=Manager_states_reply),
-        "start": Call(
-            request=Manager_start_request,
-            raises=((CANopen_Refused_raised, Refused),),
+        "states": CallTypes(reply={"_result": _NodeStateSeq_alias}),
+        "start": CallTypes(request={"node_id": idl.OCTET}, raises=(Refused,)),
+        "stop": CallTypes(request={"node_id": idl.OCTET}, raises=(Refused,)),
+        "enter_pre_operational": CallTypes(
+            request={"node_id": idl.OCTET},
+            raises=(Refused,),
         ),
-        "stop": Call(
-            request=Manager_stop_request,
-            raises=((CANopen_Refused_raised, Refused),),
-        ),
-        "enter_pre_operational": Call(
-            request=Manager_enter_pre_operational_request,
-            raises=((CANopen_Refused_raised, Refused),),
-        ),
-        "reset_node": Call(
-            request=Manager_reset_node_request,
-            raises=((CANopen_Refused_raised, Refused),),
-        ),
-        "reset_communication": Call(
-            request=Manager_reset_communication_request,
-            raises=((CANopen_Refused_raised, Refused),),
+        "reset_node": CallTypes(request={"node_id": idl.OCTET}, raises=(Refused,)),
+        "reset_communication": CallTypes(
+            request={"node_id": idl.OCTET},
+            raises=(Refused,),
         ),
     },
 }

@@ -4,120 +4,25 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, field
-from rtgen.runtime.services.calls import Call
+from rtgen.runtime.services.call_types import CallTypes
 
 from ._views import tagWheelState as tagWheelState_
-from .motor_board_marshaller import MotorBoard_DoubleSeq2, _MotorBoard_DoubleSeq2_alias
+from .motor_board_marshaller import _MotorBoard_DoubleSeq2_alias
 
-
-class MotorBoard_identify_reply(Aggregated):
-    """Results of `MotorBoard::identify`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "MotorBoard.identify reply",
-        idl.traits(repository_id=""),
-        _result=idl.LONG,
-        name=idl.STRING,
-    )
-
-    _result: int = 0
-    name: str = ""
-
-
-class MotorBoard_setLimits_request(Aggregated):
-    """Arguments of `MotorBoard::setLimits`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "MotorBoard.setLimits request",
-        idl.traits(repository_id=""),
-        speed=idl.DOUBLE,
-        acceleration=idl.DOUBLE,
-    )
-
-    speed: float = 0.0
-    acceleration: float = 0.0
-
-
-class MotorBoard_setLimits_reply(Aggregated):
-    """Results of `MotorBoard::setLimits`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "MotorBoard.setLimits reply",
-        idl.traits(repository_id=""),
-        _result=idl.LONG,
-    )
-
-    _result: int = 0
-
-
-class MotorBoard_drive_request(Aggregated):
-    """Arguments of `MotorBoard::drive`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "MotorBoard.drive request",
-        idl.traits(repository_id=""),
-        speed=_MotorBoard_DoubleSeq2_alias,
-        count=idl.LONG,
-    )
-
-    speed: MotorBoard_DoubleSeq2 = field(default_factory=list)
-    count: int = 0
-
-
-class MotorBoard_drive_reply(Aggregated):
-    """Results of `MotorBoard::drive`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "MotorBoard.drive reply",
-        idl.traits(repository_id=""),
-        _result=idl.LONG,
-        state=tagWheelState_,
-    )
-
-    _result: int = 0
-    state: tagWheelState_ = field(default_factory=tagWheelState_)
-
-
-class MotorBoard_getState_reply(Aggregated):
-    """Results of `MotorBoard::getState`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "MotorBoard.getState reply",
-        idl.traits(repository_id=""),
-        _result=idl.LONG,
-        state=tagWheelState_,
-    )
-
-    _result: int = 0
-    state: tagWheelState_ = field(default_factory=tagWheelState_)
-
-
-class MotorBoard_release_reply(Aggregated):
-    """Results of `MotorBoard::release`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "MotorBoard.release reply",
-        idl.traits(repository_id=""),
-        _result=idl.LONG,
-    )
-
-    _result: int = 0
-
-
-_CALLS: dict[str, dict[str, Call]] = {
+_CALLS: dict[str, dict[str, CallTypes]] = {
     "IDL:MotorBoard:1.0": {
-        "identify": Call(reply=MotorBoard_identify_reply),
-        "setLimits": Call(
-            request=MotorBoard_setLimits_request,
-            reply=MotorBoard_setLimits_reply,
+        "identify": CallTypes(reply={"_result": idl.LONG, "name": idl.STRING}),
+        "setLimits": CallTypes(
+            request={"speed": idl.DOUBLE, "acceleration": idl.DOUBLE},
+            reply={"_result": idl.LONG},
         ),
-        "drive": Call(request=MotorBoard_drive_request, reply=MotorBoard_drive_reply),
-        "getState": Call(reply=MotorBoard_getState_reply),
-        "stop": Call(oneway=True),
-        "release": Call(reply=MotorBoard_release_reply),
+        "drive": CallTypes(
+            request={"speed": _MotorBoard_DoubleSeq2_alias, "count": idl.LONG},
+            reply={"_result": idl.LONG, "state": tagWheelState_},
+        ),
+        "getState": CallTypes(reply={"_result": idl.LONG, "state": tagWheelState_}),
+        "stop": CallTypes(oneway=True),
+        "release": CallTypes(reply={"_result": idl.LONG}),
     },
 }

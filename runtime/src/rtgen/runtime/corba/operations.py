@@ -9,11 +9,11 @@ from rtgen.runtime.cdr import UserException
 from rtgen.runtime.corba.wire_conversions import Convert, WireType
 from rtgen.runtime.corba.wire_types import WireException, WireTypes
 from rtgen.runtime.marshalling.descriptors import DataType
-from rtgen.runtime.services.calls import Call, calls_of
+from rtgen.runtime.services.call_types import CONTEXT, Call
+from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.servants import BadOperation, MarshalError, Servant
 
 Values: TypeAlias = tuple[Any, ...]
-_CONTEXT = "_context"
 
 
 class Operation:
@@ -27,8 +27,8 @@ class Operation:
         given = _types(call.request, call.request_objects, types)
         got = _types(call.reply, call.reply_objects, types)
         # The strings of a context clause follow the arguments; they are never passed.
-        context = [wire for name, wire in given if name == _CONTEXT]
-        arguments = [wire for name, wire in given if name != _CONTEXT]
+        context = [wire for name, wire in given if name == CONTEXT]
+        arguments = [wire for name, wire in given if name != CONTEXT]
         results = [wire for _, wire in got]
         self.call = call
         self.count = len(arguments)

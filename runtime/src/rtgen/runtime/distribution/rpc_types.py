@@ -15,7 +15,7 @@ from typing import Any
 import msgspec
 
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, Union, UserException
+from rtgen.runtime.cdr import Union, UserException
 from rtgen.runtime.distribution.medium import ServiceTypes
 from rtgen.runtime.distribution.rpc_header import ReplyHeader, RequestHeader
 from rtgen.runtime.marshalling.descriptors import (
@@ -29,7 +29,8 @@ from rtgen.runtime.marshalling.descriptors import (
     UnionDescriptor,
     plain,
 )
-from rtgen.runtime.services.calls import Call, calls_of
+from rtgen.runtime.services.call_types import Call, aggregate
+from rtgen.runtime.services.calls import calls_of
 
 OK = 0
 """Discriminator of a result (dds::RETCODE_OK)."""
@@ -173,7 +174,7 @@ def _struct(name: str, members: dict[str, Any]) -> Any:
         (key, Any, 0 if key == _UNUSED else None)  # values always have arguments
         for key in members
     ]
-    return _make_struct(name, fields, Aggregated, idl.struct(name, **members))
+    return aggregate(name, fields, idl.struct(name, **members))
 
 
 def _union(name: str, cases: dict[str, tuple[Any, int]], unknown: str) -> Any:
@@ -181,17 +182,7 @@ def _union(name: str, cases: dict[str, tuple[Any, int]], unknown: str) -> Any:
     branches[unknown] = idl.case(idl.OCTET, default=True)
     descriptor = idl.union(name, idl.LONG, **branches)
     fields = [("discriminator", int, 0), ("value", Any, None)]
-    return _make_struct(name, fields, Union, descriptor)
-
-
-def _make_struct(name: str, fields: Any, base: Any, descriptor: Any) -> Any:
-    return msgspec.defstruct(
-        name.replace("::", "_"),
-        fields,
-        bases=(base,),
-        namespace={"_descriptor_": descriptor},
-        gc=False,
-    )
+    return aggregate(name, fields, descriptor, Union)
 
 
 def _is_known(type_: Any) -> bool:

@@ -27,7 +27,8 @@ from rtgen.runtime.openrtm.conversions import (
 )
 from rtgen.runtime.openrtm.stubs import StubsMissingError
 from rtgen.runtime.openrtm.wire_objects import class_of
-from rtgen.runtime.services.calls import Call, calls_of
+from rtgen.runtime.services.call_types import CONTEXT, Call
+from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.ports import Consumer, Provider
 from rtgen.runtime.services.servants import (
     Invoker,
@@ -45,7 +46,6 @@ _S = TypeVar("_S", bound=Servant)
 Reference: TypeAlias = Callable[[], Any]
 """Function that returns the omniORB object that a stub calls, or None if there is none (yet)."""
 
-_CONTEXT = "_context"
 _NO_CONTEXT = CORBA.Context("", None)
 """The context of calls, which is not used."""
 
@@ -63,7 +63,7 @@ class _Operation:
 
     def __init__(self, name: str, call: Call) -> None:
         request = _parts(call.request, call.request_objects)
-        types = [type_ for member, type_ in request if member != _CONTEXT]
+        types = [type_ for member, type_ in request if member != CONTEXT]
         self.refused = call.refused
         self.signature = Signature(
             name,

@@ -22,6 +22,12 @@ from rtgen.runtime.cdr import CdrError, UserException
 from rtgen.runtime.marshalling.descriptors import DataType
 from rtgen.runtime.marshalling.errors import FAILURES
 from rtgen.runtime.marshalling.octets import ObjectReference, text_value
+from rtgen.runtime.services.call_types import (
+    CONTEXT,
+    Call,
+    CallTypes,
+    Interfaces,
+)
 from rtgen.runtime.services.servants import (
     BadOperation,
     CallTimeout,
@@ -36,26 +42,8 @@ from rtgen.runtime.services.servants import (
 )
 
 S = TypeVar("S", bound=Servant)
-Interfaces: TypeAlias = tuple[type[Servant] | None, ...]
 
 log = logging.getLogger("rtgen.runtime")
-
-
-class Call(msgspec.Struct, frozen=True):
-    """Marshalling of an operation; `refused` is the reason if it is impossible.
-
-    `request` and `reply` are the types of the bodies, None for empty ones; `*_objects` has the
-    interface of each member that is an object. `raises` are the types of replies with an exception,
-    each with the exception.
-    """
-
-    request: type[DataType] | None = None
-    reply: type[DataType] | None = None
-    request_objects: Interfaces = ()
-    reply_objects: Interfaces = ()
-    raises: tuple[tuple[type[DataType], type[UserException]], ...] = ()
-    oneway: bool = False
-    refused: str = ""
 
 
 class ReplyStatus(IntEnum):
@@ -101,14 +89,27 @@ def calls_of(interface: type[Servant]) -> dict[str, Call]:
     calls: dict[str, Call] = {}
     for base in reversed(interface.__mro__):
         if "_calls_" in vars(base) and issubclass(base, Servant):
-            package = base.__module__.rpartition(".")[0]
-            tables = import_module(base._calls_, package)._CALLS
-            calls |= tables[base._descriptor_.repository_id]
+            calls |= _own_calls(base)
     if not calls and operations_of(interface):
         raise ServiceError(
             f"calls of {name} have no codecs; for a service of a TECS board set"
             " corba = true in the section [tecs] of rtgen.toml"
         )
+    return calls
+
+
+def _own_calls(base: type[Servant]) -> dict[str, Call]:
+    calls: dict[str, Call] | None = vars(base).get("_own_calls_")
+    if calls is None:
+        package = base.__module__.rpartition(".")[0]
+        described = base._descriptor_
+        types: dict[str, CallTypes] = import_module(base._calls_, package)._CALLS[
+            described.repository_id
+        ]
+        calls = {
+            name: Call(f"{described.name}.{name}", each) for name, each in types.items()
+        }
+        base._own_calls_ = calls  # type: ignore[attr-defined]
     return calls
 
 
@@ -274,7 +275,7 @@ def decoded(
 def _fields(type_: type[DataType]) -> tuple[str, ...]:
     """Return the members in order, without the strings of a context clause."""
     names: tuple[str, ...] = getattr(type_, "__match_args__", ())
-    return tuple(name for name in names if name != "_context")
+    return tuple(name for name in names if name != CONTEXT)
 
 
 def as_tuple(call: Call, result: object) -> tuple[object, ...]:

@@ -10,7 +10,8 @@ import msgspec
 from rtgen.runtime.cdr import CdrError, UserException
 from rtgen.runtime.errors import RtcError
 from rtgen.runtime.rtc.component import Component
-from rtgen.runtime.services.calls import Call, calls_of
+from rtgen.runtime.services.call_types import CONTEXT, Call
+from rtgen.runtime.services.calls import calls_of
 from rtgen.runtime.services.ports import Provider
 from rtgen.runtime.services.servants import ServiceError
 from rtgen.runtime.system.json_printers import plain
@@ -176,7 +177,7 @@ def forms_of(call: Call) -> tuple[dict[str, Any], dict[str, Any], Convert]:
 def _form(type_: Any) -> tuple[dict[str, Any], Convert]:
     if type_ is None:
         return NOTHING, _no_members
-    if any(member.name == "_context" for member in type_._descriptor_.members):
+    if any(member.name == CONTEXT for member in type_._descriptor_.members):
         raise CallError(
             "an operation with a context clause cannot be called with texts"
         )

@@ -91,11 +91,6 @@ def render_original(template: str, values: Mapping[str, object]) -> str:
     return language_of(template).code(_template(template).render(values))
 
 
-def are_original() -> bool:
-    """Return whether no project lays templates over those of rtgen."""
-    return RENDERER.get() is None
-
-
 def write_code() -> None:
     """Write the code of the templates of generated files, when rtgen is packed. Raises OSError."""
     from rtgen.compiler.backends.kit.compiled_templates import write

@@ -1,14 +1,12 @@
-"""The bodies of requests and replies, as synthetic structs of the model.
+"""The calls of interfaces: the members of requests and replies, and the table of a module.
 
 A request is the `in` and `inout` parameters in order, a reply the return value and then the `inout`
-and `out` parameters, a user exception its repository id and its members (CORBA 3.3 part 2, 9.4.2.2
-and 9.4.3.2). They are marshalled by the codecs of structs, and defined in modules of their
-own, such as `_idl.<file>_calls`, which only transports that marshal import.
+and `out` parameters (CORBA 3.3 part 2, 9.4.2.2). The tables are in modules of their own, such as
+`_idl.<file>_calls`, which only transports that marshal import; the runtime makes the bodies.
 """
 
 from __future__ import annotations
 
-from collections import Counter
 from collections.abc import Iterator, Sequence
 from pathlib import PurePosixPath
 
@@ -17,17 +15,15 @@ from msgspec.structs import replace
 
 from rtgen.compiler.backends.kit.python_text import Bracketed, fit_bracketed, tuple_of
 from rtgen.compiler.backends.kit.quoting.python import string_literal
+from rtgen.compiler.backends.types.descriptions import Descriptions
 from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.layouts.cdr_types import CdrTypes, NotMarshalledError
 from rtgen.compiler.layouts.representations import Representations
 from rtgen.compiler.model import (
     VOID,
     Attribute,
-    Declaration,
     Direction,
-    ExceptionDecl,
     Interface,
-    Member,
     Model,
     Operation,
     Parameter,
@@ -38,34 +34,35 @@ from rtgen.compiler.model import (
     Struct,
     Type,
 )
-from rtgen.compiler.typemap.python.idl_names import is_package
+from rtgen.compiler.typemap.python.idl_names import OWN_NAMES, distinct, is_package
 from rtgen.compiler.typemap.python.implementation_modules import implementation_modules
 
-_MANY = 8
-"""From this number of operations in an interface on, operations of equal shape share bodies."""
-
-# Names that no definition can have: no identifier of IDL contains a space, or starts with `_`.
+# Names that no definition can have: no identifier of IDL starts with `_`.
 _RESULT = "_result"
 _CONTEXT = "_context"
-_ID = "_id"
+
+Members = tuple[tuple[str, Type], ...]
 
 
 class Call(msgspec.Struct, frozen=True):
-    """The marshalling of an operation, or the reason why it has none (`refused`)."""
+    """The marshalling of an operation, or the reason why it has none (`refused`).
+
+    `request` and `reply` are the names and types of the members of the bodies.
+    """
 
     operation: str
-    request: Struct | None = None
-    reply: Struct | None = None
+    request: Members = ()
+    reply: Members = ()
     raises: tuple[ScopedName, ...] = ()
     oneway: bool = False
     refused: str = ""
 
 
 class Calls:
-    """The additions to a model by which the calls of its interfaces can be marshalled.
+    """The calls of the interfaces of a model.
 
-    `model` is the model with the bodies, `origins` the file that each file of bodies is for.
-    Without `marshalled` nothing is added.
+    `model` is the model with the files of the tables, `origins` the file that each of these is for.
+    Without `marshalled` there are none.
     """
 
     def __init__(
@@ -75,139 +72,57 @@ class Calls:
         self._before = model
         self._modules = implementation_modules(model)
         self._files: dict[str, SourceFile] = {}
-        self._bodies: list[Struct] = []
-        self._raised: dict[ScopedName, Struct] = {}
-        self._shapes: dict[tuple[tuple[str, Type], ...], int] = {}
-        self._shape_of: dict[ScopedName, int] = {}
+        self._shapes: dict[object, tuple[Members, Members, str]] = {}
+        """The bodies of operations with equal parameters and results."""
         self.origins: dict[str, str] = {}
         self.of: dict[ScopedName, list[Call]] = {}
         self.marshalled = marshalled
         for declaration in model.declarations if marshalled else ():
             if isinstance(declaration, Interface) and not declaration.local:
-                calls = list(self._calls(declaration))
+                calls = [*map(self._call, _operations(declaration))]
                 if calls:
                     self.of[declaration.name] = calls
-        self.model = Model(
-            (*model.files, *self._files.values()),
-            (*model.declarations, *self._bodies),
-            model.systems,
-        )
+                    self._file(declaration)
+        files = *model.files, *self._files.values()
+        self.model = Model(files, model.declarations, model.systems)
 
     def file(self, interface: Interface) -> str | None:
-        """The file of the bodies of an interface; None if no operation is marshalled."""
+        """The file of the table of an interface; None if it has no operations."""
         return self._file(interface).name if interface.name in self.of else None
 
     def interfaces(self, file: str) -> list[Interface]:
-        """The interfaces whose bodies a file contains."""
+        """The interfaces whose calls a file contains."""
         declarations = (self._before.find(name) for name in self.of)
         return [
             i for i in declarations if isinstance(i, Interface) and self.file(i) == file
         ]
 
-    def raised(self, exception: ScopedName) -> ScopedName:
-        """The body of a reply that carries a user exception."""
-        return self._raised[exception].name
-
-    def shape_of(self, body: ScopedName) -> int | None:
-        """Return the number of the shape of a request or a reply with results.
-
-        Bodies with equal members have the same. None for other declarations.
-        """
-        return self._shape_of.get(body)
-
-    def _calls(self, interface: Interface) -> Iterator[Call]:
-        operations = [o for a in interface.attributes for o in _accessors(a)]
+    def _call(self, operation: Operation) -> Call:
         parts = [
-            (operation, *bodies, self._shape(bodies[0]), self._shape(bodies[1]))
-            for operation in (*operations, *interface.operations)
-            for bodies in [_bodies(operation)]
+            (each.name, each.type, each.direction) for each in operation.parameters
         ]
-        numbers = Counter(
-            shape
-            for _, _, _, request, reply in parts
-            for shape in (("request", request), ("reply", reply))
-        )
-        shared: dict[object, Struct] = {}
-        for operation, arguments, results, of_request, of_reply in parts:
-            self._file(interface)
-            try:
-                for member in (*arguments, *results):
-                    self._types.check(member.type)
-            except NotMarshalledError as failure:
-                yield Call(operation.name, refused=str(failure))
-                continue
-            exceptions = tuple(dict.fromkeys(operation.raises))
-            for exception in exceptions:
-                self._add_raised(exception)
-            bodies: list[Struct | None] = []
-            for kind, what, members, number_of_shape in (
-                ("request", "Arguments", arguments, of_request),
-                ("reply", "Results", results, of_reply),
-            ):
-                shape = kind, number_of_shape
-                body = shared.get(shape) if members else None
-                if members and body is None:
-                    number = len(shared) + 1 if numbers[shape] > _MANY else 0
-                    body = self._body(interface, operation, kind, what, members, number)
-                    if number:
-                        shared[shape] = body
-                bodies.append(body)
-            request, reply = bodies
-            yield Call(operation.name, request, reply, exceptions, operation.oneway)
+        shape = operation.returns, bool(operation.context), *parts
+        if shape not in self._shapes:
+            self._shapes[shape] = self._bodies(operation)
+        request, reply, refused = self._shapes[shape]
+        if refused:
+            return Call(operation.name, refused=refused)
+        raises = tuple(dict.fromkeys(operation.raises))
+        return Call(operation.name, request, reply, raises, operation.oneway)
 
-    def _shape(self, members: Sequence[Member]) -> int:
-        """The number of the shape of a body; operations of equal shape can share bodies."""
-        shape = tuple([(member.name, member.type) for member in members])
-        return self._shapes.setdefault(shape, len(self._shapes))
+    def _bodies(self, operation: Operation) -> tuple[Members, Members, str]:
+        """The members of the request and of the reply, and why they cannot be marshalled."""
+        request, reply = _bodies(operation)
+        try:
+            for _, type_ in (*request, *reply):
+                self._types.check(type_)
+        except NotMarshalledError as failure:
+            return (), (), str(failure)
+        return request, reply, ""
 
-    def _body(
-        self,
-        interface: Interface,
-        operation: Operation,
-        kind: str,
-        what: str,
-        members: list[Member],
-        shared: int,
-    ) -> Struct:
-        """A body of one operation, or of several (`shared` is a number for it)."""
-        *scope, name = interface.name
-        of, id_ = operation.name, operation.repository_id
-        doc = f"{what} of `{interface.scoped}::{of}`."
-        if shared:
-            types = ", ".join(str(member.type) for member in members)
-            of, id_ = f"{shared} {types}", interface.repository_id
-            doc = f"{what} of several operations of `{interface.scoped}`: {types}."
-        body = Struct(
-            span=operation.span,
-            doc=doc,
-            name=(*scope, f"{name}.{of} {kind}"),
-            repository_id=id_,
-            file=self._file(interface).name,
-            members=tuple(members),
-        )
-        self._bodies.append(body)
-        self._shape_of[body.name] = self._shape(members)
-        return body
-
-    def _add_raised(self, name: ScopedName) -> None:
-        exception = self._before.find(name)
-        if name in self._raised or not isinstance(exception, ExceptionDecl):
-            return
-        identity = Member(span=exception.span, name=_ID, type=StringType())
-        body = Struct(
-            span=exception.span,
-            doc=f"The reply with the exception `{exception.scoped}`.",
-            name=(f"{'.'.join(name)} raised",),
-            repository_id=exception.repository_id,
-            file=self._file(exception).name,
-            members=(identity, *exception.members),
-        )
-        self._raised[name] = body
-        self._bodies.append(body)
-
-    def _file(self, declaration: Declaration) -> SourceFile:
-        """The file of bodies for a declaration: one for each implementation module."""
-        module = self._modules[declaration.file]
+    def _file(self, interface: Interface) -> SourceFile:
+        """The file of the calls of an interface: one for each implementation module."""
+        module = self._modules[interface.file]
         if module not in self._files:
             owner = next(
                 f for f in self._before.files if self._modules[f.name] == module
@@ -218,7 +133,7 @@ class Calls:
             name = f"{owner.name} calls/{stem}_calls.idl"
             home = owner.module
             if home:
-                inner = is_package(home, declaration.name)
+                inner = is_package(home, interface.name)
                 home = f"{home}._calls" if inner else f"{home}_calls"
             self._files[module] = replace(
                 owner, name=name, key=calls, main=False, belongs_to=None, module=home
@@ -227,15 +142,22 @@ class Calls:
         return self._files[module]
 
 
-def _bodies(operation: Operation) -> tuple[list[Member], list[Member]]:
-    """The members of the request body, and those of the reply body."""
-    arguments = [*map(_member, operation.arguments)]
+def _operations(interface: Interface) -> Iterator[Operation]:
+    """The operations, those of the attributes first."""
+    for attribute in interface.attributes:
+        yield from _accessors(attribute)
+    yield from interface.operations
+
+
+def _bodies(operation: Operation) -> tuple[Members, Members]:
+    """The members of the request, and those of the reply."""
+    arguments = [(each.name, each.type) for each in operation.arguments]
     if operation.context:
-        arguments.append(_named(operation, _CONTEXT, SequenceType(StringType())))
-    results = [*map(_member, operation.results)]
+        arguments.append((_CONTEXT, SequenceType(StringType())))
+    results = [(each.name, each.type) for each in operation.results]
     if operation.returns != VOID:
-        results.insert(0, _named(operation, _RESULT, operation.returns))
-    return arguments, results
+        results.insert(0, (_RESULT, operation.returns))
+    return tuple(arguments), tuple(results)
 
 
 def _accessors(attribute: Attribute) -> Iterator[Operation]:
@@ -264,34 +186,21 @@ def _accessors(attribute: Attribute) -> Iterator[Operation]:
         )
 
 
-def _named(operation: Operation, name: str, type_: Type) -> Member:
-    return Member(span=operation.span, name=name, type=type_)
-
-
-def _member(parameter: Parameter) -> Member:
-    return Member(span=parameter.span, name=parameter.name, type=parameter.type)
-
-
 class CallTable:
     """Writes the table of a module's calls, in which the runtime looks up operations."""
 
-    def __init__(self, calls: Calls, scope: Scope) -> None:
+    def __init__(
+        self, calls: Calls, scope: Scope, describe: Descriptions, types: CdrTypes
+    ) -> None:
         self._calls = calls
         self._py = scope
-        self._common: dict[tuple[ScopedName, ...], str] = {}
+        self._describe = describe
+        self._types = types
+        self._bodies: dict[tuple[str, Members], list[str | Bracketed]] = {}
+        """The facts of bodies, of which many operations have equal ones."""
 
     def text(self, interfaces: Sequence[Interface]) -> str:
-        """The table, after the exceptions shared by several calls."""
-        raised = Counter(
-            call.raises for i in interfaces for call in self._calls.of[i.name]
-        )
-        common = [
-            raises for raises, count in raised.items() if raises and count > _MANY
-        ]
-        self._common = {r: f"_RAISES_{n}" for n, r in enumerate(common, 1)}
-        before = [
-            f"{name} = {self._raised(r).flat}\n" for r, name in self._common.items()
-        ]
+        """The table."""
         items = [
             Bracketed(
                 f"{string_literal(interface.repository_id)}: {{",
@@ -300,17 +209,10 @@ class CallTable:
             )
             for interface in interfaces
         ]
-        kind = f"{self._py.dict}[{self._py.str}, {self._py.dict}[{self._py.str}, {self._py.Call}]]"
-        table = Bracketed(f"_CALLS: {kind} = {{", items, "}")
-        return "".join(before) + fit_bracketed(table, 0)
-
-    def _raised(self, raises: tuple[ScopedName, ...], head: str = "") -> Bracketed:
         py = self._py
-        pairs = [
-            Bracketed("(", [py.reference(self._calls.raised(e)), py.reference(e)])
-            for e in raises
-        ]
-        return tuple_of(pairs, head)
+        kind = f"{py.dict}[{py.str}, {py.dict}[{py.str}, {py.CallTypes}]]"
+        table = Bracketed(f"_CALLS: {kind} = {{", items, "}")
+        return fit_bracketed(table, 0)
 
     def _call(self, call: Call) -> Bracketed:
         """The item of a call in the table."""
@@ -318,20 +220,36 @@ class CallTable:
         facts: list[str | Bracketed] = []
         if call.refused:
             facts.append(f"refused={string_literal(call.refused)}")
-        for key, body in (("request", call.request), ("reply", call.reply)):
-            if body is not None:
-                facts.append(f"{key}={py.reference(body.name)}")
-                objects = [self._interface(member.type) for member in body.members]
-                if any(name != "None" for name in objects):
-                    facts.append(tuple_of(objects, f"{key}_objects="))
+        for body in (("request", call.request), ("reply", call.reply)):
+            if body not in self._bodies:
+                self._bodies[body] = self._body(*body)
+            facts += self._bodies[body]
         if call.raises:
-            common = self._common.get(call.raises)
-            facts.append(
-                f"raises={common}" if common else self._raised(call.raises, "raises=")
-            )
+            classes = [py.reference(name) for name in call.raises]
+            facts.append(tuple_of(classes, "raises="))
         if call.oneway:
             facts.append("oneway=True")
-        return Bracketed(f"{string_literal(call.operation)}: {py.Call}(", facts)
+        return Bracketed(f"{string_literal(call.operation)}: {py.CallTypes}(", facts)
+
+    def _body(self, kind: str, members: Members) -> list[str | Bracketed]:
+        """The facts of a body, which is a request or a reply."""
+        if not members:
+            return []
+        names = distinct((name for name, _ in members), OWN_NAMES[Struct])
+        described = [self._member(names[name], name, type_) for name, type_ in members]
+        facts: list[str | Bracketed] = [Bracketed(f"{kind}={{", described, "}")]
+        objects = [self._interface(type_) for _, type_ in members]
+        if any(name != "None" for name in objects):
+            facts.append(tuple_of(objects, f"{kind}_objects="))
+        if any(self._types.has_headers(type_) for _, type_ in members):
+            facts.append(f"{kind}_version=1")
+        return facts
+
+    def _member(self, attribute: str, name: str, type_: Type) -> str:
+        described = self._describe.of(type_)
+        if attribute != name:
+            described = f'{self._py.idl}.member({described}, name="{name}")'
+        return f'"{attribute}": {described}'
 
     def _interface(self, type_: Type) -> str:
         """The class of an object that a member refers to, else `None`."""

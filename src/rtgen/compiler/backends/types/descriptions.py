@@ -9,7 +9,6 @@ import msgspec
 
 from rtgen.compiler.backends.kit.python_initial import PythonInitial
 from rtgen.compiler.backends.kit.python_text import (
-    WIDTH,
     Bracketed,
     fit_bracketed,
     tuple_of,
@@ -52,39 +51,6 @@ from rtgen.compiler.model import (
 from rtgen.compiler.model.declarations import OPAQUE, ConstantValue, Declaration
 from rtgen.compiler.typemap.python.idl import is_boolean, is_signed
 from rtgen.compiler.typemap.python.idl_names import PythonNames, is_emitted
-
-_INNER = " " * 8
-"""The margin of an argument of a descriptor."""
-
-
-class Description(msgspec.Struct, eq=False):
-    """What the descriptors of structs with equal members have in common."""
-
-    variable: str
-    call: str
-    traits: list[str]
-    members: list[str]
-    _flat: str = ""
-    _lines: str = ""
-    _is_wide: bool = False
-
-    def __post_init__(self) -> None:
-        lines = [f"{_INNER}{member}," for member in self.members]
-        self._flat = "".join([f", {member}" for member in self.members])
-        self._lines = "\n".join([*lines, "    )"])
-        self._is_wide = any(len(line) > WIDTH for line in lines)
-
-    def text(self, facts: Sequence[str]) -> str:
-        """Return the descriptor with the facts before the members, split like a class variable."""
-        flat = f"{self.call}{', '.join(facts)}{self._flat})"
-        if 4 + len(self.variable) + len(flat) <= WIDTH:
-            return flat
-        heads = [f"{_INNER}{fact}," for fact in facts]
-        if self._is_wide or any(len(head) > WIDTH for head in heads):
-            head = f"{self.variable}{self.call}"
-            text = fit_bracketed(Bracketed(head, [*facts, *self.members]), 4)
-            return text.removeprefix(f"    {self.variable}")
-        return "\n".join([self.call, *heads, self._lines])
 
 
 class Descriptions(msgspec.Struct, eq=False):
@@ -144,28 +110,18 @@ class Descriptions(msgspec.Struct, eq=False):
 
     def struct(self, declaration: Struct | ExceptionDecl, representation: int) -> str:
         """Return the descriptor of a struct or exception, split like that of a class variable."""
-        return self.like(declaration, self.members(declaration, representation))
-
-    def members(
-        self, declaration: Struct | ExceptionDecl, representation: int
-    ) -> Description:
-        """Return what is equal in the descriptors of structs with the same members."""
         py = self._py
         kind = "struct" if isinstance(declaration, Struct) else "exception"
         names = self._names.members(declaration)
-        return Description(
-            variable=f"_descriptor_{py.class_variable} = ",
-            call=f"{py.idl}.{kind}(",
-            traits=self._traits(declaration, representation),
-            members=[self._member(m, names[m.name]) for m in declaration.members],
-        )
-
-    def like(
-        self, declaration: Struct | ExceptionDecl, description: Description
-    ) -> str:
-        """Return the descriptor of a struct or exception whose members are described."""
-        own = self._marks([*self._own_id(declaration), *description.traits])
-        return description.text([string_literal(declaration.scoped), *own])
+        traits = self._traits(declaration, representation)
+        facts = [
+            string_literal(declaration.scoped),
+            *self._marks([*self._own_id(declaration), *traits]),
+            *(self._member(m, names[m.name]) for m in declaration.members),
+        ]
+        variable = f"_descriptor_{py.class_variable} = "
+        text = fit_bracketed(Bracketed(f"{variable}{py.idl}.{kind}(", facts), 4)
+        return text.removeprefix(f"    {variable}")
 
     def _member(self, member: Member, attribute: str) -> str:
         """Return a member as an argument."""

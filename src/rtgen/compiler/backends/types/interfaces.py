@@ -15,6 +15,7 @@ from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.model import (
     Attribute,
     Interface,
+    Operation,
     ScopedName,
 )
 from rtgen.compiler.typemap.member_units import operation_text
@@ -41,6 +42,8 @@ class Interfaces:
         self._names = names
         self._py = scope
         self._describe = describe
+        self._signatures: dict[object, str] = {}
+        """The texts of signatures, of which many operations have equal ones."""
         self.mapping = PythonMapping(
             calls.model, scope.reference, scope.spell, servants=True
         )
@@ -114,12 +117,22 @@ class Interfaces:
             )
             if marks:
                 lines.append(f"    @{py.operation}({marks})")
-            head = f"    def {name}({', '.join(self.mapping.parameters(operation))})"
-            result = self.mapping.result(operation)
-            lines.append(f"{head} -> {result}:{'' if doc else ' ...'}")
+            head = f"    def {name}{self._signature(operation)}"
+            lines.append(f"{head}:{'' if doc else ' ...'}")
             if doc:
                 lines.append(doc)
         return "\n".join(lines)
+
+    def _signature(self, operation: Operation) -> str:
+        """The parameters and the result of a method."""
+        parts = [(p.name, p.type, p.direction) for p in operation.parameters]
+        shape = operation.returns, *parts
+        text = self._signatures.get(shape)
+        if text is None:
+            parameters = ", ".join(self.mapping.parameters(operation))
+            text = f"({parameters}) -> {self.mapping.result(operation)}"
+            self._signatures[shape] = text
+        return text
 
     def _marks(
         self,

@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Iterable, Sequence
 from decimal import Decimal
 from math import isfinite
-from typing import TypeAlias
 
 import msgspec
 
@@ -15,9 +14,9 @@ from rtgen.compiler.backends.kit.quoting.python import (
     number_literal,
     string_literal,
 )
-from rtgen.compiler.backends.kit.rendering import are_original, render
+from rtgen.compiler.backends.kit.rendering import render
 from rtgen.compiler.backends.types.calls import Calls, CallTable
-from rtgen.compiler.backends.types.descriptions import Description, Descriptions
+from rtgen.compiler.backends.types.descriptions import Descriptions
 from rtgen.compiler.backends.types.interfaces import Interfaces
 from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.backends.types.unions import Unions
@@ -67,9 +66,6 @@ _HIDING = (
 """For a module in which a type nested in an interface hides one of a base."""
 
 
-_Parts: TypeAlias = tuple[str, str, str, Description, str]
-
-
 class TypesModule:
     """Builds one module."""
 
@@ -92,7 +88,6 @@ class TypesModule:
         self.scope = Scope(names, module)
         self._done: set[str] = set()
         self._waiting: list[Typedef] = []
-        self._bodies: dict[int, _Parts] = {}
         self.codecs: set[ScopedName] = set()
         self._late: dict[ScopedName, str] = {}
         self._mapping = PythonMapping(model, self.scope.reference, self.scope.spell)
@@ -119,7 +114,8 @@ class TypesModule:
             self._done.add(self._local(declaration))
             blocks.extend(self._ready_codecs())
         if interfaces:
-            blocks.append(Block(CallTable(self._calls, self.scope).text(interfaces)))
+            table = CallTable(self._calls, self.scope, self._describe, self._types)
+            blocks.append(Block(table.text(interfaces)))
         parts: list[str] = []
         for before, block in zip([None, *blocks], blocks, strict=False):
             if before is not None:
@@ -138,10 +134,6 @@ class TypesModule:
 
     def _blocks(self, declaration: Declaration) -> Iterable[Block]:
         match declaration:
-            case Struct() if (
-                shape := self._calls.shape_of(declaration.name)
-            ) is not None:
-                yield Block(self._body(declaration, shape))
             case Struct() | ExceptionDecl():
                 yield Block(self._struct(declaration))
             case Union():
@@ -193,34 +185,6 @@ class TypesModule:
                 for m in declaration.members
             ],
         )
-
-    def _body(self, declaration: Struct, shape: int) -> str:
-        """The class of a body, by the text of one with equal members.
-
-        They differ in their names alone, unless a template of the project says otherwise.
-        """
-        parts = self._bodies.get(shape)
-        if parts is None:
-            text = self._struct(declaration)
-            if are_original():
-                self._bodies[shape] = self._parts(declaration, text)
-            return text
-        head, after_name, after_doc, description, rest = parts
-        described = self._describe.like(declaration, description)
-        return (
-            f"{head}{self._local(declaration)}{after_name}{self._doc(declaration)}"
-            f"{after_doc}{described}{rest}"
-        )
-
-    def _parts(self, declaration: Struct, text: str) -> _Parts:
-        """The text of a body around its name, its docstring and its descriptor."""
-        description = self._describe.members(declaration, self._version(declaration))
-        described = self._describe.like(declaration, description)
-        head, name, text = text.partition(self._local(declaration))
-        after_name, doc, text = text.partition(self._doc(declaration))
-        after_doc, same, rest = text.partition(described)
-        assert all((name, doc, same))
-        return head, after_name, after_doc, description, rest
 
     def _version(self, declaration: Struct | ExceptionDecl | Union) -> int:
         """The version of XCDR that `to_cdr` returns; 0 for classic CDR."""

@@ -63,7 +63,7 @@ def _owners(model: Model) -> dict[str, str]:
         while (above := includers.get(owner)) is not None:
             owner = above
         owners[file.name] = owner
-    if len(owners) < 2:
+    if len({owners[declaration.file] for declaration in model.declarations}) < 2:
         return owners
     needs = _needs(model, owners)
     places = {name: place for place, name in enumerate(owners)}

@@ -13,7 +13,7 @@ _NAMES = {
     ),
     "typing": "Any ClassVar Final Self TypeAlias cast",
     "rtgen.runtime.values": "AnyValue Box Value",
-    "rtgen.runtime.services.calls": "Call",
+    "rtgen.runtime.services.call_types": "CallTypes",
     "decimal": "Decimal",
     "collections.abc": "MutableSequence",
     "numpy.typing": "NDArray",

@@ -4,44 +4,14 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated
-from rtgen.runtime.services.calls import Call
+from rtgen.runtime.services.call_types import CallTypes
 
 from .case import Halt_Busy
 
-
-class Halt__get_halted_reply(Aggregated):
-    """Results of `Halt::_get_halted`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Halt._get_halted reply",
-        idl.traits(repository_id="IDL:Halt/halted:1.0"),
-        _result=idl.BOOLEAN,
-    )
-
-    _result: bool = False
-
-
-class Halt_Busy_raised(Aggregated):
-    """The reply with the exception `Halt::Busy`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Halt.Busy raised",
-        idl.traits(repository_id="IDL:Halt/Busy:1.0"),
-        _id=idl.STRING,
-        reason=idl.STRING,
-    )
-
-    _id: str = ""
-    reason: str = ""
-
-
-_CALLS: dict[str, dict[str, Call]] = {
+_CALLS: dict[str, dict[str, CallTypes]] = {
     "IDL:Halt:1.0": {
-        "_get_halted": Call(reply=Halt__get_halted_reply),
-        "stop": Call(raises=((Halt_Busy_raised, Halt_Busy),)),
+        "_get_halted": CallTypes(reply={"_result": idl.BOOLEAN}),
+        "stop": CallTypes(raises=(Halt_Busy,)),
     },
 }

@@ -7,9 +7,9 @@ from typing import Final
 from .._idl.board import (
     LIMIT as LIMIT,
     All as All,
-    Call__ as Call,
-    Call__Skeleton as CallSkeleton,
-    Call__Stub as CallStub,
+    Call as Call,
+    CallSkeleton as CallSkeleton,
+    CallStub as CallStub,
     Id as Id,
     IdCodec as IdCodec,
     Item as Item,

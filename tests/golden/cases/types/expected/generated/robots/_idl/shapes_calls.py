@@ -4,72 +4,18 @@
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from rtgen.runtime import idl
-from rtgen.runtime.cdr import Aggregated, field
-from rtgen.runtime.services.calls import Call
+from rtgen.runtime.services.call_types import CallTypes
 
 from .shapes import Blocked, Point
 
-
-class Mover__get_speed_reply(Aggregated):
-    """Results of `Shapes::Mover::_get_speed`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Shapes::Mover._get_speed reply",
-        idl.traits(repository_id="IDL:Shapes/Mover/speed:1.0"),
-        _result=idl.DOUBLE,
-    )
-
-    _result: float = 0.0
-
-
-class Shapes_Blocked_raised(Aggregated):
-    """The reply with the exception `Shapes::Blocked`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Shapes.Blocked raised",
-        idl.traits(repository_id="IDL:Shapes/Blocked:1.0"),
-        _id=idl.STRING,
-        reason=idl.STRING,
-    )
-
-    _id: str = ""
-    reason: str = ""
-
-
-class Mover_move_request(Aggregated):
-    """Arguments of `Shapes::Mover::move`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Shapes::Mover.move request",
-        idl.traits(repository_id="IDL:Shapes/Mover/move:1.0"),
-        to=Point,
-    )
-
-    to: Point = field(default_factory=Point)
-
-
-class Mover_move_reply(Aggregated):
-    """Results of `Shapes::Mover::move`."""
-
-    _descriptor_: ClassVar = idl.struct(
-        "Shapes::Mover.move reply",
-        idl.traits(repository_id="IDL:Shapes/Mover/move:1.0"),
-        far=idl.DOUBLE,
-    )
-
-    far: float = 0.0
-
-
-_CALLS: dict[str, dict[str, Call]] = {
+_CALLS: dict[str, dict[str, CallTypes]] = {
     "IDL:Shapes/Mover:1.0": {
-        "_get_speed": Call(reply=Mover__get_speed_reply),
-        "move": Call(
-            request=Mover_move_request,
-            reply=Mover_move_reply,
-            raises=((Shapes_Blocked_raised, Blocked),),
+        "_get_speed": CallTypes(reply={"_result": idl.DOUBLE}),
+        "move": CallTypes(
+            request={"to": Point},
+            reply={"far": idl.DOUBLE},
+            raises=(Blocked,),
         ),
     },
 }

@@ -4,6 +4,8 @@
 
 from __future__ import annotations
 
-from rtgen.runtime.services.calls import Call
+from rtgen.runtime.services.call_types import CallTypes
 
-_CALLS: dict[str, dict[str, Call]] = {"IDL:Drive/Safety:1.0": {"Stop": Call()}}
+_CALLS: dict[str, dict[str, CallTypes]] = {
+    "IDL:Drive/Safety:1.0": {"Stop": CallTypes()},
+}
