@@ -34,7 +34,7 @@ def with_heartbeat(eds: str) -> str:
 
 
 def wired(eds: str) -> str:
-    """Return the description with SYNC, consumers, and a TPDO 2 whose COB-ID is read-only."""
+    """Return the description with SYNC, consumers, a TPDO 2 of a read-only COB-ID, and no LSS."""
     objects = {
         "1005": [(7, "rw", "0x80")],
         "1016": [(5, "const", "2"), (7, "rw", "0"), (7, "rw", "0")],
@@ -47,6 +47,7 @@ def wired(eds: str) -> str:
     more = "".join(f"{n}=0x{index}\n" for n, index in enumerate(objects, 8))
     eds = eds.replace(listed, listed.replace("7", str(7 + len(objects))) + more)
     eds = eds.replace("NrOfTXPDO=1", "NrOfTXPDO=2")
+    eds = eds.replace("LSS_Supported=1", "LSS_Supported=0")
     form = "ParameterName=Sub {}\nDataType={}\nAccessType={}\nDefaultValue={}\n"
     for index, subs in objects.items():
         if len(subs) == 1:

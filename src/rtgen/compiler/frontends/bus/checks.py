@@ -57,6 +57,9 @@ def check(bus: Bus, toml: Toml) -> Iterator[Diagnostic]:
         if rates and bus.bit_rate not in rates:
             message = f"{node.kind.path} does not name {bus.bit_rate} kbit/s"
             yield rules.NO_BIT_RATE.at(toml.span(("bus", "bit_rate")), message)
+        if node.lss and not node.device.info.lss:
+            message = f"{node.kind.path} has no LSS_Supported=1"
+            yield rules.NO_LSS.at(toml.span(("node", node.name, "lss")), message)
     yield from _without_sync(bus)
     yield from _cob_ids(bus)
     yield from _time(bus, toml)

@@ -23,5 +23,6 @@ OTHER_SYNC = Rule("EDS0713", "node without the SYNC of its network", Severity.ER
 CONSUMED_TWICE = Rule("EDS0714", "two consumers of one heartbeat", Severity.ERROR)
 REFUSED_CHANGE = Rule("EDS0715", "value that a node may refuse", Severity.WARNING)
 NO_SYNC = Rule("EDS0716", "PDO that waits for SYNC in vain", Severity.WARNING)
+NO_LSS = Rule("EDS0717", "LSS that a device does not have", Severity.WARNING)
 
 RULES = rules_of(globals())
