@@ -119,13 +119,11 @@ def _number(variable: Variable) -> str:
 
 def _device(bus: Bus, node: BusNode, own: str, *, alone: bool) -> RosDevice:
     ports = DevicePorts(node.kind.device, node.kind)
-    mapped = {
-        (f.variable.index, f.variable.subindex) for s in ports.samples for f in s.fields
-    }
+    mapped = {f.variable.number for s in ports.samples for f in s.fields}
     quantities = [
         ports.quantity(variable)
         for variable in ports.device.variables
-        if (variable.index, variable.subindex) not in mapped
+        if variable.number not in mapped
     ]
     names = _names(ports)
     return RosDevice(

@@ -367,10 +367,10 @@ def words_alone() -> frozenset[str]:
 _RAISED = frozenset(
     {
         *("ArgumentError", "CanValueError", "JsonError", "Refusal", "RefusedError"),
-        *("ValueError", "_RefusalError", "refused"),
+        *("ValueError", "_RefusalError"),
     }
 )
-"""The errors whose text is a part of a message, and a function that makes one."""
+"""The errors whose text is a part of a message."""
 
 
 def raised_texts() -> frozenset[str]:

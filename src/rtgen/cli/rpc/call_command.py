@@ -18,7 +18,7 @@ from rtgen.runtime.opaque_rpc import (
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 from rtgen.runtime.opaque_rpc.values import is_rpc_error
 from rtgen.tools.kit.console import Console, write_out
-from rtgen.tools.kit.exits import FAILED, OK
+from rtgen.tools.kit.exits import FAILED, OK, Refusal
 from rtgen.tools.rpc.channels import channel_of
 from rtgen.tools.rpc.codecs import Function
 from rtgen.tools.rpc.signatures import (
@@ -26,7 +26,6 @@ from rtgen.tools.rpc.signatures import (
     Peer,
     parsed,
     printed,
-    refused,
 )
 from rtgen.tools.rpc.values import JsonError
 
@@ -62,7 +61,7 @@ def call_(
         arguments = function.arguments_from_json(parsed(text))
         returned, outs = function.call(channel, arguments)
     except (ArgumentError, JsonError) as error:
-        raise refused(str(error)) from error
+        raise Refusal(str(error)) from error
     except RpcError as error:
         if _returns_code(function):
             write_out(printed({"return": error.code, "outs": None}))

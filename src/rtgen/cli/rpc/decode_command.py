@@ -9,14 +9,13 @@ from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_cdl, with_representation
 from rtgen.runtime.opaque_rpc import RpcError
 from rtgen.tools.kit.console import Console, write_out
-from rtgen.tools.kit.exits import OK
+from rtgen.tools.kit.exits import OK, Refusal
 from rtgen.tools.rpc.codecs import Function
 from rtgen.tools.rpc.signatures import (
     CdlFiles,
     Wire,
     octets,
     printed,
-    refused,
 )
 from rtgen.tools.rpc.values import Json
 
@@ -45,7 +44,7 @@ def decode_(
     try:
         value = _decoded(called, request, reply)
     except RpcError as error:
-        raise refused(str(error)) from error
+        raise Refusal(str(error)) from error
     write_out(printed(value))
     return OK
 
@@ -56,10 +55,10 @@ def _decoded(function: Function, request: str | None, reply: str | None) -> Json
         arguments = function.decode_request(octets(request))
     if reply is None:
         if arguments is None:
-            raise refused("give --request or --reply")
+            raise Refusal("give --request or --reply")
         return function.arguments_to_json(arguments)
     if function.oneway:
-        raise refused(f"{function.name} is oneway: it has no reply")
+        raise Refusal(f"{function.name} is oneway: it has no reply")
     data = octets(reply)
     if arguments is not None:
         kept = function.kept(arguments)

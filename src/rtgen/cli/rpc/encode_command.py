@@ -9,9 +9,9 @@ from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_cdl, with_representation
 from rtgen.runtime.opaque_rpc import ArgumentError
 from rtgen.tools.kit.console import Console, write_out
-from rtgen.tools.kit.exits import OK
+from rtgen.tools.kit.exits import OK, Refusal
 from rtgen.tools.rpc.codecs import Function
-from rtgen.tools.rpc.signatures import CdlFiles, Wire, parsed, refused
+from rtgen.tools.rpc.signatures import CdlFiles, Wire, parsed
 from rtgen.tools.rpc.values import JsonError
 
 
@@ -39,7 +39,7 @@ def encode_(
     try:
         data = _encoded(called, request, reply)
     except (ArgumentError, JsonError) as error:
-        raise refused(str(error)) from error
+        raise Refusal(str(error)) from error
     write_out(f"{data.hex()}\n")
     return OK
 
@@ -50,10 +50,10 @@ def _encoded(function: Function, request: str | None, reply: str | None) -> byte
         arguments = function.arguments_from_json(parsed(request))
     if reply is None:
         if arguments is None:
-            raise refused("give --request or --reply")
+            raise Refusal("give --request or --reply")
         return function.encode_request(arguments)
     if function.oneway:
-        raise refused(f"{function.name} is oneway: it has no reply")
+        raise Refusal(f"{function.name} is oneway: it has no reply")
     returned, outs = function.result_from_json(parsed(reply))
     if arguments is not None:
         return function.encode_reply(function.kept(arguments), returned, outs)

@@ -11,9 +11,9 @@ from rtgen.cli.help import command
 from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_representation
 from rtgen.tools.kit.console import Console, write_text
-from rtgen.tools.kit.exits import NO, OK
+from rtgen.tools.kit.exits import NO, OK, Refusal
 from rtgen.tools.rpc.recorded_calls import Replay
-from rtgen.tools.rpc.signatures import Wire, content, refused
+from rtgen.tools.rpc.signatures import Wire, content
 
 _FORMAT = "opaque-rpc-trace/1"
 
@@ -32,15 +32,15 @@ def replay_(console: Console, traces: Path, verbose: bool, wire: Wire) -> int:
     try:
         recorded = json.loads(content(traces))
     except (ValueError, RecursionError) as error:
-        raise refused(f"{traces} is not JSON: {error}") from error
+        raise Refusal(f"{traces} is not JSON: {error}") from error
     if not isinstance(recorded, dict) or recorded.get("format") != _FORMAT:
-        raise refused(f"{traces} is not a file of the format {_FORMAT}")
+        raise Refusal(f"{traces} is not a file of the format {_FORMAT}")
     replay = Replay(recorded, wire)
     try:
         cases = [*recorded["cases"], *recorded.get("shared_channel_cases", [])]
         results = [(case["id"], list(replay.differences(case))) for case in cases]
     except (KeyError, TypeError) as error:
-        raise refused(f"{traces}: {type(error).__name__}: {error}") from error
+        raise Refusal(f"{traces}: {type(error).__name__}: {error}") from error
     equal = sum(not differences for _, differences in results)
     lines = [f"{len(cases)} cases, {equal} equal"]
     for name, differences in results:

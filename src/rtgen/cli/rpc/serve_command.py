@@ -22,9 +22,9 @@ from rtgen.runtime.opaque_rpc import (
 from rtgen.runtime.opaque_rpc.messages import log
 from rtgen.runtime.opaque_rpc.serial import BAUDRATE
 from rtgen.tools.kit.console import Console, write_out
-from rtgen.tools.kit.exits import OK
+from rtgen.tools.kit.exits import OK, Refusal
 from rtgen.tools.rpc.board import MockBoard, ScriptError
-from rtgen.tools.rpc.signatures import CdlFiles, Peer, content, refused
+from rtgen.tools.rpc.signatures import CdlFiles, Peer, content
 
 
 @command("serve")
@@ -83,7 +83,7 @@ def serve_(
     try:
         board = MockBoard(service, text, print_call=write_out if verbose else None)
     except ScriptError as error:
-        raise refused(f"{script}:{error.line}: {error}") from error
+        raise Refusal(f"{script}:{error.line}: {error}") from error
     server: TcpServer | SerialServer
     try:
         if serial:

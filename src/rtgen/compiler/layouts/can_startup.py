@@ -54,14 +54,14 @@ def start_up(node: BusNode) -> tuple[StartWrite, ...]:
     """
     asked = {number for number, _ in node.values}
     # The manager depends on the heartbeat, so its period is written even if it is the default.
-    beats = {(v.index, v.subindex) for v in node.device.variables if _beats(v)}
+    beats = {v.number for v in node.device.variables if _beats(v)}
     return tuple(_of_node(node, asked | beats).writes())
 
 
 def _of_node(node: BusNode, asked: set[tuple[int, int]]) -> _StartUp:
     own = node.kind.described or node.device
     configured = {
-        (v.index, v.subindex): v.value
+        v.number: v.value
         for v in own.variables
         if v.value is not None and v.value != v.default
     }
@@ -142,9 +142,7 @@ class _StartUp:
         self._configured = configured or {}
         self._device = device
         self.changed = {
-            (v.index, v.subindex)
-            for v in device.variables
-            if self._differs(v, (v.index, v.subindex) in asked)
+            v.number for v in device.variables if self._differs(v, v.number in asked)
         }
 
     def _differs(self, variable: Variable, asked: bool) -> bool:
@@ -210,7 +208,7 @@ class _StartUp:
     def _final(self, variable: Variable) -> Value | None:
         """Return the value in force afterwards; a service is off with an identifier it can have."""
         value = variable.in_force(self._device.node_id)
-        service = service_of((variable.index, variable.subindex))
+        service = service_of(variable.number)
         cob_id = self._number(value)
         if service is None or cob_id is None or value is None:
             return value
@@ -261,7 +259,7 @@ class _StartUp:
         return self._final(variable)
 
     def _switched_off(self, variable: Variable, cob_id: Value | None) -> Value:
-        service = service_of((variable.index, variable.subindex))
+        service = service_of(variable.number)
         assert service is not None
         if isinstance(cob_id, NodeRelative):
             return NodeRelative(service.switched_off(cob_id.offset))

@@ -51,7 +51,7 @@ def unreachable(context: Context) -> Iterator[Diagnostic]:
             for entry in (*pdo.entries, *pdo.default_entries)
         }
         for variable in device.variables:
-            place = (variable.index, variable.subindex)
+            place = variable.number
             if (
                 variable.index >= _FIRST_OF_DEVICE
                 and not variable.access.readable

@@ -189,14 +189,19 @@ class Variable(msgspec.Struct, frozen=True, kw_only=True):
         return code.name if isinstance(code, DataType) else f"type {code:04X}h"
 
     @property
+    def number(self) -> tuple[int, int]:
+        """Index and sub-index."""
+        return self.index, self.subindex
+
+    @property
     def current(self) -> Value | None:
         """The configured value, defaulting to the default value."""
         return self.default if self.value is None else self.value
 
     def in_force(self, node_id: int | None) -> Value | None:
         """Return the value that is in force: the current one, or a COB-ID in its place."""
-        number, chosen = (self.index, self.subindex), self.value is not None
-        return cob_id_in_force(number, self.current, node_id, chosen=chosen)
+        chosen = self.value is not None
+        return cob_id_in_force(self.number, self.current, node_id, chosen=chosen)
 
     def start(self, node_id: int | None) -> Value | None:
         """Return the value in force; without one, that within its limits nearest to 0."""
@@ -211,7 +216,7 @@ class Variable(msgspec.Struct, frozen=True, kw_only=True):
 
     def initial(self, node_id: int | None) -> Value | None:
         """Return the value that is in force before the configuration."""
-        return cob_id_in_force((self.index, self.subindex), self.default, node_id)
+        return cob_id_in_force(self.number, self.default, node_id)
 
     @property
     def bits(self) -> int | None:
@@ -390,7 +395,7 @@ class Device(msgspec.Struct, frozen=True, dict=True, kw_only=True):
 
     @cached_property
     def _by_number(self) -> dict[tuple[int, int], Variable]:
-        return {(v.index, v.subindex): v for v in self.variables}
+        return {v.number: v for v in self.variables}
 
     @property
     def variables(self) -> Iterator[Variable]:

@@ -103,8 +103,8 @@ def _objects(old: Device, new: Device) -> Iterator[Change]:
             name = f"{new.name}.{other.index:04X}"
             text = f"object {name} is a {other.type.name}, was a {one.type.name}"
             yield change(kinds.OBJECT_STRUCTURE, name, text, one.span, other.span)
-    before = {(v.index, v.subindex): v for v in old.variables if not _is_pdo(v)}
-    after = {(v.index, v.subindex): v for v in new.variables if not _is_pdo(v)}
+    before = {v.number: v for v in old.variables if not _is_pdo(v)}
+    after = {v.number: v for v in new.variables if not _is_pdo(v)}
     for key, variable in before.items():
         if key not in after:
             name = _name(new, variable)

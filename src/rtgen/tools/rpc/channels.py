@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 from rtgen.runtime.opaque_rpc import SerialChannel, TcpChannel
-from rtgen.tools.rpc.signatures import Peer, refused
+from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.rpc.signatures import Peer
 
 
 def channel_of(
@@ -19,5 +20,5 @@ def host_and_port(text: str) -> tuple[str, int]:
     """Split HOST:PORT. Raises ClickException."""
     host, _, port = text.rpartition(":")
     if not host or not port.isdecimal() or not 0 < int(port) < 65536:
-        raise refused(f"{text!r} is not HOST:PORT")
+        raise Refusal(f"{text!r} is not HOST:PORT")
     return host.removeprefix("[").removesuffix("]"), int(port)

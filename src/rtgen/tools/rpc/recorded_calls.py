@@ -24,7 +24,7 @@ from rtgen.runtime.opaque_rpc import ArgumentError, RpcError, make_tdr
 from rtgen.runtime.opaque_rpc.tdr import SHARED_BEGIN, SHARED_END
 from rtgen.tools.kit.exits import Refusal
 from rtgen.tools.rpc.codecs import Function, Service
-from rtgen.tools.rpc.signatures import Wire, refused, service_of
+from rtgen.tools.rpc.signatures import Wire, service_of
 from rtgen.tools.rpc.values import Json, JsonError
 
 _ORDERS = {"tNBOTDR": "network", "tTDR": "little"}
@@ -72,7 +72,7 @@ class Replay:
             bits = self._wire.tdr.long_bits
             order = cast(Any, _ORDERS.get(tdr))
             if order is None:
-                raise refused(f"the data representation {tdr!r} is unknown")
+                raise Refusal(f"the data representation {tdr!r} is unknown")
             usual = make_tdr(self._wire.tdr.order).long_bits
             representation = make_tdr(order, long_bits=bits if bits != usual else None)
             wire = Wire(representation, self._wire.reply)
@@ -84,13 +84,13 @@ class Replay:
         if name not in self._units:
             texts = self._recorded["signatures"]
             if name not in texts:
-                raise refused(f"the signature {name!r} is missing")
+                raise Refusal(f"the signature {name!r} is missing")
             common = self._recorded.get("allocator_cdl", "")
             unit, diagnostics = read_text(common + texts[name], f"{name}.cdl")
             if has_errors(diagnostics):
                 unit, others = read_text(common + "".join(texts.values()), "all.cdl")
                 if has_errors(others):
-                    raise refused(
+                    raise Refusal(
                         str(next(d for d in diagnostics if has_errors([d])).message)
                     )
             self._units[name] = unit

@@ -53,7 +53,7 @@ class CdlFiles:
         paths = [self.file] if self.file is not None else None
         paths = paths or ending_with(project.sources, CDL_SUFFIXES)
         if not paths:
-            raise refused(
+            raise Refusal(
                 "which CDL file? Give --cdl FILE: no project with one is around this folder"
             )
         folders = [*map(Path, self.include), *project.include, *project.tecs_path]
@@ -88,7 +88,7 @@ class CdlFiles:
                 f"no signature {name!r}", name, [s.scoped for _, s in signatures]
             )
         if len(units) > 1:
-            raise refused(
+            raise Refusal(
                 f"the signature {name!r} is in {' and '.join(units)}: --cdl names one"
             )
         [unit] = units.values()
@@ -98,7 +98,7 @@ class CdlFiles:
         """Find the function `SIG.FUNC`. Raises Refusal."""
         signature, dot, function = name.rpartition(".")
         if not dot:
-            raise refused(f"{name!r}: name the function as SIGNATURE.FUNCTION")
+            raise Refusal(f"{name!r}: name the function as SIGNATURE.FUNCTION")
         service = self.service(signature, wire)
         if function not in service.functions:
             raise _unknown(
@@ -126,7 +126,7 @@ def service_of(
     try:
         return Service(unit, signature, wire.tdr, wire.reply, limit)
     except TransferError as error:
-        raise refused(f"{error.span.file}:{error.span.line}: {error}") from error
+        raise Refusal(f"{error.span.file}:{error.span.line}: {error}") from error
 
 
 def parsed(text: str) -> Json:
@@ -134,7 +134,7 @@ def parsed(text: str) -> Json:
     try:
         value: Json = json.loads(text)
     except (ValueError, RecursionError) as error:
-        raise refused(f"{text[:40]!r} is not JSON: {error}") from error
+        raise Refusal(f"{text[:40]!r} is not JSON: {error}") from error
     return value
 
 
@@ -148,7 +148,7 @@ def content(path: Path) -> str:
     try:
         return decode(read_file(path), standard=True).normal
     except UnreadableError as error:
-        raise refused(f"cannot read {path}: {error}") from error
+        raise Refusal(f"cannot read {path}: {error}") from error
 
 
 def octets(text: str) -> bytes:
@@ -157,7 +157,7 @@ def octets(text: str) -> bytes:
         return bytes.fromhex(text)
     except ValueError as error:
         digits = "hex digits, two for each octet"
-        raise refused(f"{text[:40]!r} is not hex: write {digits}") from error
+        raise Refusal(f"{text[:40]!r} is not hex: write {digits}") from error
 
 
 def _unknown(message: str, name: str, names: list[str]) -> Refusal:
@@ -165,9 +165,4 @@ def _unknown(message: str, name: str, names: list[str]) -> Refusal:
 
     close = get_close_matches(name, names, n=1)
     hint = f"did you mean {close[0]!r}?" if close else f"known: {', '.join(names)}"
-    return refused(f"{message}; {hint}")
-
-
-def refused(message: str) -> Refusal:
-    """Return the exception for invalid input."""
-    return Refusal(message)
+    return Refusal(f"{message}; {hint}")

@@ -142,7 +142,7 @@ def _profiles(device: RosDevice) -> Iterator[ObjectProfile]:
         variable = each.quantity.variable
         yield ObjectProfile(
             name=each.name,
-            number=(variable.index, variable.subindex),
+            number=variable.number,
             kind=each.kind,
             factor=each.quantity.factor,
             readable=variable.access.readable,

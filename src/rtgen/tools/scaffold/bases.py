@@ -230,7 +230,7 @@ def _synchronous(device: Device) -> Iterator[str]:
     """Yield the indices of TPDOs that have to be sent with each SYNC, and do not do so yet."""
     wanted = [number for number, direction in _OBJECTS.values() if direction is _TX]
     for sample in DevicePorts(device).of(_TX):
-        mapped = {(f.variable.index, f.variable.subindex) for f in sample.fields}
+        mapped = {f.variable.number for f in sample.fields}
         index = TPDO_COMMUNICATION + sample.pdo.number - 1
         variable = device.find(index, 2)
         if (
@@ -246,9 +246,7 @@ def _lacking(device: Device) -> Iterator[Diagnostic]:
     """Yield the objects that a drive does not map to PDOs."""
     ports = DevicePorts(device)
     mapped = {
-        ((f.variable.index, f.variable.subindex), s.pdo.direction)
-        for s in ports.samples
-        for f in s.fields
+        (f.variable.number, s.pdo.direction) for s in ports.samples for f in s.fields
     }
     for role, (number, direction) in _OBJECTS.items():
         if (number, direction) in mapped:
@@ -279,8 +277,7 @@ def _of_proxy(node: BusNode) -> dict[str, str]:
     """Return the ports of a drive's proxy by their roles."""
     ports = DevicePorts(node.kind.device, node.kind)
     by_object = {
-        ((p.quantity.variable.index, p.quantity.variable.subindex), p.direction): p.name
-        for p in ports.object_ports
+        (p.quantity.variable.number, p.direction): p.name for p in ports.object_ports
     }
     return {role: by_object[wanted] for role, wanted in _OBJECTS.items()}
 

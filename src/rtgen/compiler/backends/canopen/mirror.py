@@ -40,7 +40,7 @@ def measured(ports: DevicePorts) -> Device:
     stated = {number for number, _ in (*ports.kind.factors, *ports.kind.units)}
 
     def changed(variable: Variable) -> Variable:
-        if (variable.index, variable.subindex) not in stated:
+        if variable.number not in stated:
             return variable
         quantity = ports.quantity(variable)
         return replace(variable, factor=quantity.factor, unit=quantity.unit)

@@ -53,9 +53,7 @@ class PdoReader:
     ) -> None:
         self._accepted = accepted
         self._objects = {o.index: o for o in objects}
-        self._variables = {
-            (v.index, v.subindex): v for o in objects for v in o.variables
-        }
+        self._variables = {v.number: v for o in objects for v in o.variables}
         self._info = info
         self._dummies = frozenset(dummies)
         self._node_id = node_id

@@ -46,7 +46,7 @@ def field_names(variables: Iterable[Variable]) -> dict[tuple[int, int], str]:
 
     The number is appended to names that differ in case only, or that are keywords of IDL or Python.
     """
-    numbers = {(v.index, v.subindex): identifier(v.name) for v in variables}
+    numbers = {v.number: identifier(v.name) for v in variables}
     counts = Counter(name.lower() for name in numbers.values())
     names = {
         number: (

@@ -231,7 +231,7 @@ class DevicePorts:
         quantity = self.quantity(variable)
         first = quantity.name
         if first.lower() in (STAMP, struct, "rtc"):
-            first = numbered(first, (variable.index, variable.subindex))
+            first = numbered(first, variable.number)
         taken = {q.name.lower() for q in quantities}
         name, place = first, 1
         while name.lower() in taken:

@@ -87,7 +87,7 @@ def describe(reading: Reading, node_id: int, file_name: str) -> NodeDescription:
     ]
     if reading.stopped:
         header.insert(0, f"PARTIAL: {reading.stopped}; further objects are missing.")
-    described = {(v.index, v.subindex) for thing in objects for v in thing.variables}
+    described = {v.number for thing in objects for v in thing.variables}
     refused = tuple(_refused(reading, described))
     header += [f"Not described: {line}" for line in refused[:_LISTED]]
     if len(refused) > _LISTED:
@@ -96,15 +96,15 @@ def describe(reading: Reading, node_id: int, file_name: str) -> NodeDescription:
         _section(thing, variable): f"guess: {builder.guesses[number]}"
         for thing in objects
         for variable in thing.variables
-        if builder.guesses.get(number := (variable.index, variable.subindex))
+        if builder.guesses.get(number := variable.number)
     }
     rows = tuple(
         ObjectRow(
-            _written((v.index, v.subindex)),
+            _written(v.number),
             v.name,
             "DOMAIN" if v.domain else v.type_name,
             v.access.value,
-            builder.guesses.get((v.index, v.subindex), ""),
+            builder.guesses.get(v.number, ""),
         )
         for thing in objects
         for v in thing.variables
