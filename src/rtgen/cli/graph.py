@@ -15,8 +15,9 @@ from rtgen.compiler.diagnostics import Diagnostic, has_errors, in_order
 from rtgen.compiler.judging import Judge
 from rtgen.compiler.model import Component
 from rtgen.compiler.model.can_bus import Bus
+from rtgen.compiler.model.system_links import known_components
 from rtgen.compiler.project import load
-from rtgen.compiler.systems import timeline
+from rtgen.compiler.systems import checks, timeline
 from rtgen.compiler.systems.conditions import SECOND
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import BAD_INPUT, OK, Refusal
@@ -75,6 +76,9 @@ def graph(
         }
         if profile is not None:
             [profile] = systems.as_defined([profile], [result.model])
+            components = known_components(systems.models_of(result))
+            found = checks.configurations(profile, components)
+            diagnostics += checks.as_warnings(found)
     console.findings(in_order(diagnostics), sources)
     if profile is None or has_errors(diagnostics):
         return BAD_INPUT

@@ -11,6 +11,7 @@ import media
 import pytest
 from distributed_system import Process
 from json_schemas import valid
+from msgspec import structs
 from patience import PATIENCE, until
 
 from rtgen import runtime
@@ -89,6 +90,20 @@ def test_components_are_listed_and_shown(node: Process, ctl: Ctl) -> None:
     )
     assert shown["out_ports"] == {"out": "RTC::TimedDouble"}
     assert shown["sets"] == {"default": {"gain": "1.0"}}
+
+
+def test_values_have_the_units_of_the_definition(node: Process, ctl: Ctl) -> None:
+    b = node.node("b")
+    [gain] = b.configuration_sets.parameters
+    b.configuration_sets.bind(b.config, (structs.replace(gain, unit="m/s"),))
+    assert ctl("get", "b.gain", "--wait", "20")[:2] == (0, "b.gain = 1.0 [m/s]\n")
+    assert ctl("show", "b", "--wait", "20")[1].endswith("\ngain = 1.0 [m/s]\n")
+    text = ctl("show", "b", "--json", "--wait", "20")[1]
+    shown = valid(text, "ctl.schema.json", "show")
+    assert (shown["sets"], shown["units"]) == (
+        {"default": {"gain": "1.0"}},
+        {"gain": "m/s"},
+    )
 
 
 SYSTEM = """<rts:RtsProfile rts:id="RTSystem:lab:conformance:1" rts:version="0.2" rts:abstract="a"

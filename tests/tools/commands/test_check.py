@@ -249,6 +249,7 @@ FAULTS = {
     "a port that is not there": (KITCHEN, '"warmth"', '"warmht"', "RTC0581", 2, 16, "systems"),
     "a parameter that is not there": (KITCHEN, '"gain"', '"gian"', "RTC0586", 2, 8, "systems"),
     "a value of another type": (KITCHEN, '"2.0"', '"two"', "RTC0586", 2, 8, "systems"),
+    "an active set": (KITCHEN, 'Set="default"', 'Set="fast"', "RTC0599", 1, 5, "systems"),
     "a component": (KITCHEN, "Oven:1.0.0", "Ovn:1.0.0", "RTC0580", 2, 5, "systems"),
     "wiring of two types": (KITCHEN, '"measured"', '"current"', "RTC0582", 2, 18, "systems"),
     "XML": (KITCHEN, "</rts:RtsProfile>", "", None, 2, None, "systems"),
@@ -276,6 +277,22 @@ def test_faults_are_found_at_their_lines(
     assert findings(capfd, *others, code=0) == []
     change(new, old, file)
     assert findings(capfd, code=0) == []
+
+
+@pytest.mark.parametrize("command", ["inspect", "graph"])
+@pytest.mark.usefixtures("system")
+def test_commands_that_only_read_a_system_warn_of_its_configuration(
+    command: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    change('"gain"', '"gian"', KITCHEN)
+    change('Set="default"', 'Set="fast"', KITCHEN)
+    assert run([command, KITCHEN]) == 0
+    err = capfd.readouterr().err
+    assert "system.xml:8:40: warning[RTC0586]: Oven has no parameter 'gian'" in err
+    assert "warning[RTC0599]: Oven0 has no configuration set 'fast'" in err
+    Path("systems/Oven.conf").write_text("conf.fast.gain: 3\n")
+    assert run([command, KITCHEN]) == 0
+    assert "RTC0599" not in capfd.readouterr().err
 
 
 UNITS = {

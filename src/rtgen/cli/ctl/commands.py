@@ -28,12 +28,14 @@ from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import NO, OK
 from rtgen.tools.running.control_texts import (
     condition_text,
-    interface_json,
+    description_json,
     port_lines,
     state_json,
     state_name,
     state_row,
     state_text,
+    units,
+    value_line,
 )
 
 if TYPE_CHECKING:
@@ -84,13 +86,10 @@ def show_(console: Console, options: CtlOptions, instance: str, as_json: bool) -
     if as_json:
         shown = {
             **state_json(instance, state),
-            "type": described.type,
-            "in_ports": {n: p.type for n, p in described.in_ports.items()},
-            "out_ports": {n: p.type for n, p in described.out_ports.items()},
-            "providers": [interface_json(each) for each in described.providers],
-            "consumers": [interface_json(each) for each in described.consumers],
+            **description_json(described),
             "active_set": sets.active,
             "sets": sets.sets,
+            "units": units(described),
         }
         print_json(shown)
         return OK
@@ -98,7 +97,9 @@ def show_(console: Console, options: CtlOptions, instance: str, as_json: bool) -
         f"{instance}: {described.type}, {translated_word(state_text(state))}",
         *port_lines(described),
     ]
-    lines += (f"{n} = {v}" for n, v in sets.sets.get(sets.active, {}).items())
+    in_units = units(described)
+    values = sets.sets.get(sets.active, {})
+    lines += (value_line(n, v, in_units.get(n)) for n, v in values.items())
     write_out("".join(f"{line}\n" for line in lines))
     return OK
 

@@ -16,6 +16,7 @@ from rtgen.cli.ctl.common import (
 from rtgen.cli.help import command
 from rtgen.tools.kit.console import Console, write_out
 from rtgen.tools.kit.exits import OK, Refusal
+from rtgen.tools.running.control_texts import units, value_line
 
 _set_option = click.option(
     "--in",
@@ -39,10 +40,14 @@ def get_(
 ) -> int:
     """Print the values of parameters."""
     by_instance: dict[str, dict[str, str]] = {}
+    in_units: dict[str, dict[str, str]] = {}
     with joined(console, options) as peers:
         for name in names:
             instance, _, parameter = name.partition(".")
-            sets = asker(peers, instance, options).parameters()
+            asked = asker(peers, instance, options)
+            sets = asked.parameters()
+            if not as_json:
+                in_units[instance] = units(asked.describe())
             values = sets.sets.get(sets.active if set_id is None else set_id)
             if values is None:
                 choices = ", ".join(sets.sets)
@@ -58,7 +63,9 @@ def get_(
         print_json(by_instance)
         return OK
     lines = [
-        f"{i}.{n} = {v}" for i, values in by_instance.items() for n, v in values.items()
+        value_line(f"{i}.{n}", v, in_units[i].get(n))
+        for i, values in by_instance.items()
+        for n, v in values.items()
     ]
     write_out("".join(f"{line}\n" for line in lines))
     return OK

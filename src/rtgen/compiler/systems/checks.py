@@ -18,12 +18,15 @@ from rtgen.compiler.model import (
 from rtgen.compiler.model.system_links import Known
 from rtgen.compiler.systems import conditions, connections
 from rtgen.compiler.systems.connection_rules import (
+    CONFIGURED_IN_VAIN,
     OTHER_DEFINITION,
     SYSTEM_PARAMETER,
     UNKNOWN_COMPONENT,
 )
 from rtgen.compiler.typemap.components.parameters import Parameters
-from rtgen.runtime.errors import ConfigurationError
+from rtgen.runtime.errors import ConfFileError, ConfigurationError
+from rtgen.runtime.rtc.conf_file import parse
+from rtgen.runtime.rtc.configuration import DEFAULT_SET
 from rtgen.runtime.rtc.parameter_values import Converter
 from rtgen.runtime.rtc.profiles import ParameterProfile
 
@@ -68,12 +71,42 @@ def _component(
     if c.id not in (id_, _dotted(id_)):
         message = f"the id of {c.instance} is {c.id!r}, its definition's {id_!r}"
         yield OTHER_DEFINITION.at(c.span, message)
+    yield from _configuration(c, definition)
+
+
+def configurations(
+    system: System, components: Mapping[str, Known]
+) -> Iterator[Diagnostic]:
+    """Yield diagnostics about the configuration of the components that are defined."""
+    for c in system.components:
+        if c.type in components:
+            yield from _configuration(c, components[c.type])
+
+
+def _configuration(c: SystemComponent, definition: Known) -> Iterator[Diagnostic]:
     for set_id, values in c.parameter_sets:
         for name, text in values:
             problem = parameter_problem(c, name, text, definition)
             if problem is not None:
                 span = c.places.get((set_id, name), c.span)
                 yield SYSTEM_PARAMETER.at(span, problem[0], hint=problem[1])
+    try:
+        conf = parse(c.conf)
+    except ConfFileError:
+        return  # Its line is known to a run, which reads each file by itself.
+    for set_id, texts in conf.sets.items():
+        for name, text in texts.items():
+            problem = parameter_problem(c, name, text, definition)
+            if problem is not None:
+                message = f"set {set_id!r} of its .conf file: {problem[0]}"
+                yield CONFIGURED_IN_VAIN.at(c.span, message, hint=problem[1])
+    of_file = {DEFAULT_SET, *conf.sets}
+    of_system = of_file.union(id_ for id_, _ in c.parameter_sets)
+    for active, known in ((conf.active_set, of_file), (c.active_set, of_system)):
+        if active is not None and active not in known:
+            message = f"{c.instance} has no configuration set {active!r}"
+            hint = guess(active, known) or f"it has {', '.join(sorted(known))}"
+            yield CONFIGURED_IN_VAIN.at(c.span, message, hint=hint)
 
 
 def parameter_problem(

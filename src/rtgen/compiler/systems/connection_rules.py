@@ -40,6 +40,9 @@ SYSTEM_PARAMETER = Rule(
     "configuration that the component's definition does not have",
     Severity.ERROR,
 )
+CONFIGURED_IN_VAIN = Rule(
+    "RTC0599", "configuration that a run refuses", Severity.WARNING
+)
 OTHER_DEFINITION = Rule("RTC0592", "id is not that of the definition", Severity.WARNING)
 
 RULES = rules_of(globals())

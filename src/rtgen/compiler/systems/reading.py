@@ -55,15 +55,12 @@ def read(
         systems.diagnostics += result.diagnostics
         systems.sources |= result.sources
         if result.system is not None:
-            system = result.system
-            components = [
-                _with_conf(component, path.parent, systems, encoding)
-                for component in system.components
-            ]
+            system = _with_conf(
+                result.system, path.parent, systems.dependencies, encoding
+            )
             systems.systems.append(
                 replace(
                     system,
-                    components=tuple(components),
                     key=key_of(path, root),
                     sha256=digest(data),
                     folder=_relative_folder(output, path.parent),
@@ -83,8 +80,15 @@ def _relative_folder(start: Path, folder: Path) -> str:
 def read_file(
     path: Path, encoding: str = "auto"
 ) -> tuple[System | None, Sequence[Diagnostic], Mapping[str, str]]:
-    """Read an RtsProfile: the system (None if it has errors), the diagnostics, and the sources."""
-    return rts_profile.load(path, display=path.as_posix(), encoding=encoding)
+    """Read an RtsProfile, with the `.conf` files of its folder.
+
+    Return the system (None if it has errors), the diagnostics, and the sources.
+    """
+    result = rts_profile.load(path, display=path.as_posix(), encoding=encoding)
+    system = result.system
+    if system is not None:
+        system = _with_conf(system, path.parent, [], encoding)
+    return system, result.diagnostics, result.sources
 
 
 def added(
@@ -163,8 +167,18 @@ def checked(
 
 
 def _with_conf(
-    c: SystemComponent, folder: Path, systems: Systems, encoding: str
-) -> SystemComponent:
+    system: System, folder: Path, dependencies: list[Dependency], encoding: str
+) -> System:
+    components = [
+        replace(c, conf=_conf(c, folder, dependencies, encoding))
+        for c in system.components
+    ]
+    return replace(system, components=tuple(components))
+
+
+def _conf(
+    c: SystemComponent, folder: Path, dependencies: list[Dependency], encoding: str
+) -> str:
     texts = []
     for name in dict.fromkeys((c.type, c.instance)):
         path = folder / f"{name}.conf"
@@ -173,8 +187,8 @@ def _with_conf(
         try:
             data = read_start(path, _MAX_CONF_BYTES)
         except OSError:
-            systems.dependencies.append(Dependency(path, None))
+            dependencies.append(Dependency(path, None))
             continue
-        systems.dependencies.append(Dependency(path, sha256(data).hexdigest()))
+        dependencies.append(Dependency(path, sha256(data).hexdigest()))
         texts.append(decode(data, encoding, standard=True).normal)
-    return replace(c, conf="\n".join(texts))
+    return "\n".join(texts)

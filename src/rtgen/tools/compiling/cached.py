@@ -170,6 +170,7 @@ def _checked(
     """
     from rtgen.compiler import compilation
     from rtgen.compiler.judging import Judge
+    from rtgen.compiler.model.system_links import known_components
     from rtgen.compiler.project import load_around
     from rtgen.compiler.systems import checks, reading, timeline_checks
 
@@ -180,6 +181,9 @@ def _checked(
         definitions = compilation.read(around, lowered=True) if around.sources else None
         judgement = Judge(around, definitions=definitions).of_system(system)
         models = () if definitions is None else reading.models_of(definitions)
+        of_properties += checks.as_warnings(
+            checks.configurations(system, known_components(models))
+        )
         of_timeline = timeline_checks.findings([path], models=models)
         return [system], [*of_properties, *judgement.diagnostics, *of_timeline]
     definitions = compilation.read(project, lowered=True)

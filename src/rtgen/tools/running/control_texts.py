@@ -54,12 +54,32 @@ def state_json(instance: str, state: State | None) -> dict[str, Any]:
     }
 
 
-def interface_json(interface: Interface) -> dict[str, str]:
+def description_json(described: Description) -> dict[str, Any]:
+    return {
+        "type": described.type,
+        "in_ports": {n: p.type for n, p in described.in_ports.items()},
+        "out_ports": {n: p.type for n, p in described.out_ports.items()},
+        "providers": [_interface_json(each) for each in described.providers],
+        "consumers": [_interface_json(each) for each in described.consumers],
+    }
+
+
+def _interface_json(interface: Interface) -> dict[str, str]:
     return {
         "port": interface.port,
         "instance": interface.instance,
         "interface": interface.name,
     }
+
+
+def units(described: Description) -> dict[str, str]:
+    """Return the units of the parameters that have one."""
+    return {p.name: p.unit for p in described.parameters if p.unit}
+
+
+def value_line(name: str, value: str, unit: str | None) -> str:
+    """Return the value of a parameter with its unit, as `inspect` writes it."""
+    return f"{name} = {value} [{unit}]" if unit else f"{name} = {value}"
 
 
 def port_lines(described: Description) -> Iterator[str]:
