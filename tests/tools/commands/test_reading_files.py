@@ -54,7 +54,7 @@ WRITERS = {
     "tools/docs/building.py build",
     "tools/kit/console.py discard_unread",
     "cli/lsp.py lsp",
-    "tools/running/trajectory.py check_picture",
+    "tools/running/trajectory.py _check_writable",
     "ui/stored_tokens.py _read",
     "tools/diff/revisions.py _create",
     "tools/fmt/toml.py _formatted",
