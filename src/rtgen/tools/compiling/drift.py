@@ -22,6 +22,8 @@ from rtgen.tools.compiling.diffs import Hunk, hunks
 
 _GENERATE = "run rtgen generate"
 _WORD = re.compile(r"\w+")
+_CALLS = re.compile(r' {4}"[^"]+:\d+\.\d+": \{')
+"""The first line of the calls of an interface, which begins with its repository id."""
 _OF_FILES = "_idl"
 """The folder of modules that are named for files of definitions."""
 
@@ -237,7 +239,9 @@ def _in_lines(
 
 
 def _is_head(line: str) -> bool:
-    return line[:1].isidentifier() and not line.startswith(("from ", "import "))
+    if line[:1].isidentifier():
+        return not line.startswith(("from ", "import "))
+    return _CALLS.match(line) is not None
 
 
 def _named(line: str, candidates: Iterable[Declared]) -> Iterator[Declared]:
