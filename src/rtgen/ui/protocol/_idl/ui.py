@@ -1543,7 +1543,7 @@ class SetParameter(Aggregated):
     text: str = ""
 
 
-class Call__(Aggregated):
+class Call(Aggregated):
     """`Ui::Call`."""
 
     _descriptor_: ClassVar = idl.struct(
@@ -1776,7 +1776,7 @@ class Command(Union):
         restored=idl.case(_Strings_alias, CommandKind.COMMAND_RESET),
         setting=idl.case(SetParameter, CommandKind.COMMAND_SET),
         chosen=idl.case(ActiveSet, CommandKind.COMMAND_ACTIVATE_SET),
-        called=idl.case(Call__, CommandKind.COMMAND_CALL),
+        called=idl.case(Call, CommandKind.COMMAND_CALL),
         added=idl.case(AddComponent, CommandKind.COMMAND_ADD),
         removed=idl.case(idl.STRING, CommandKind.COMMAND_REMOVE),
         place=idl.case(Moved, CommandKind.COMMAND_MOVE),
@@ -1806,7 +1806,7 @@ class Command(Union):
     )
 
     discriminator: CommandKind = CommandKind.COMMAND_WATCH
-    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call__ | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | Inject | Rename | Adjust = field(default_factory=list)  # fmt: skip
+    value: list[int] | PortAddress | Connect | str | Strings | SetParameter | ActiveSet | Call | AddComponent | Moved | bool | float | SendFrame | NmtCommand | SdoAccess | NodeAddress | Inject | Rename | Adjust = field(default_factory=list)  # fmt: skip
 
     @classmethod
     def of_channels(cls, value: list[int]) -> Self:
@@ -1908,14 +1908,14 @@ class Command(Union):
         return value
 
     @classmethod
-    def of_called(cls, value: Call__) -> Self:
+    def of_called(cls, value: Call) -> Self:
         """A value of the branch `called`."""
         return cls(CommandKind.COMMAND_CALL, value)
 
     @property
-    def called(self) -> Call__:
+    def called(self) -> Call:
         """The value, if the branch `called` is selected."""
-        value: Call__ = self._selected_("called")
+        value: Call = self._selected_("called")
         return value
 
     @classmethod

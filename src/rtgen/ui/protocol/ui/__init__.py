@@ -17,7 +17,7 @@ from .._idl.ui import (
     Bus as Bus,
     BusLoad as BusLoad,
     BusNode as BusNode,
-    Call__ as Call,
+    Call as Call,
     Chain as Chain,
     ChainList as ChainList,
     ChainListCodec as ChainListCodec,
