@@ -71,11 +71,13 @@ class Unnamed(Source):
 class Running:
     """A system that runs in a thread of its own until `end`."""
 
-    def __init__(self, name: str = "demo", clock: str = "real") -> None:
+    def __init__(
+        self, name: str = "demo", clock: str = "real", *further: runtime.Component
+    ) -> None:
         self.system = runtime.System(CLOCKS[clock]())
         self.system.on_failure = lambda failure: None
         self.counting = Counting("Counting0")
-        for each in (Source("Source0"), Sink("Sink0"), self.counting):
+        for each in (Source("Source0"), Sink("Sink0"), self.counting, *further):
             self.system.add(each)
         self.system.connect(("Source0", "out"), ("Sink0", "in"), name="wire")
         self.served = ServedRun(self.system, name, "demo.xml", "rtgen run demo.xml")
@@ -110,7 +112,7 @@ def begin() -> Iterator[Begin]:
     """Yield a function that begins a run, which is ended at the end."""
     begun: list[Running] = []
 
-    def run(*arguments: str) -> Running:
+    def run(*arguments: Any) -> Running:
         begun.append(Running(*arguments))
         return begun[-1]
 
@@ -400,10 +402,8 @@ def test_a_request_that_is_nested_too_deep_is_refused(begin: Begin, clock: str) 
 @pytest.mark.parametrize("clock", [*CLOCKS])
 def test_a_reason_that_no_message_can_have_is_told(begin: Begin, clock: str) -> None:
     """Such as the name of a file that is not UTF-8."""
-    run = begin("demo", clock)
-    run.system.add(Unnamed("Unnamed0"))
+    run = begin("demo", clock, Unnamed("Unnamed0"))
     with LocalLink(run.path) as link:
-        until(lambda: "Unnamed0" in link.instances)
         link.asker("Unnamed0").activate()
         until(lambda: "Unnamed0" in link.states)
         until(lambda: link.asker("Unnamed0").state().state == "ERROR_STATE")
