@@ -133,8 +133,10 @@ def application(
         is_crowded = not right and len(joining) >= MAX_JOINING
         if not right and not is_crowded:
             joining.add(websocket)
-            await asyncio.sleep(min(joins.delay(None, 1), _LONGEST_JOIN))
-            joining.discard(websocket)
+            try:
+                await asyncio.sleep(min(joins.delay(None, 1), _LONGEST_JOIN))
+            finally:
+                joining.discard(websocket)
         offered = websocket.scope.get("subprotocols", ())
         # A page can only read the code of a socket that was open, which needs its protocol.
         await websocket.accept(

@@ -11,6 +11,7 @@ import pytest
 from generated_projects import project
 from seeds import cases
 
+from rtgen.runtime.distribution.rpc_types import interface_types
 from rtgen.runtime.services.call_types import raised_body
 from rtgen.runtime.services.calls import calls_of, decoded
 
@@ -62,6 +63,9 @@ module Lab {{
   typedef sequence<Table> Tables;
   exception Failed {{ string reason; Mode state; }};
   struct FailedReply {{ string id; string reason; Mode state; }};
+  exception Partly {{ @optional long done; string reason; @optional Record last; }};
+  struct PartlyReply {{ string id; @optional long done; string reason; @optional Record last; }};
+  interface Task {{ void begin() raises (Partly); }};
   interface Other {{ void ping(); }};
 {interfaces}
 }};
@@ -106,3 +110,21 @@ def test_they_are_equal(tmp_path: Path, number: int) -> None:
         values = ["IDL:Lab/Failed:1.0", "why", lab.Mode.ON]
         assert body(*values).to_cdr() == lab.FailedReply(*values).to_cdr()
         assert raised_body(lab.Failed) is body
+
+
+def test_exceptions_with_optional_members(tmp_path: Path) -> None:
+    files = {"services.idl": _definitions(random.Random(0))}
+    with project(tmp_path / "lab", files, "lab"):
+        lab: Any = import_module("lab.lab")
+        body = raised_body(lab.Partly)
+        operation = interface_types(lab.Task).operations["begin"]
+        [(raised, _)] = operation.exceptions.values()
+        for done, last in ((None, None), (3, None), (None, lab.Record(1, "a"))):
+            values = [done, "why", last]
+            given = ["IDL:Lab/Partly:1.0", *values]
+            for little_endian in (True, False):
+                octets = body(*given).to_cdr(little_endian)
+                assert octets == lab.PartlyReply(*given).to_cdr(little_endian)
+                assert decoded(body, octets, little_endian) == tuple(given)
+                octets = raised(*values).to_xcdr1(little_endian)
+                assert raised.from_xcdr1(octets, little_endian) == raised(*values)

@@ -27,6 +27,9 @@ NO_RTR: Final = 1 << 30
 """Flag of a TPDO's COB-ID: no remote frames are answered."""
 EXTENDED: Final = 1 << 29
 """Flag of a COB-ID: the CAN identifier has 29 bits."""
+MAX_STANDARD_ID: Final = 0x7FF
+MAX_EXTENDED_ID: Final = 0x1FFFFFFF
+"""Highest CAN identifiers, of 11 and of 29 bits."""
 
 RPDO_COMMUNICATION: Final = 0x1400
 RPDO_MAPPING: Final = 0x1600
@@ -45,7 +48,7 @@ INHIBIT_UNIT: Final = 100_000
 
 def can_id_of(cob_id: int) -> int:
     """Return the CAN identifier of a COB-ID with flags."""
-    return cob_id & (0x1FFFFFFF if cob_id & EXTENDED else 0x7FF)
+    return cob_id & (MAX_EXTENDED_ID if cob_id & EXTENDED else MAX_STANDARD_ID)
 
 
 def nearest_zero(low: int | float | None, high: int | float | None) -> int | float:

@@ -14,6 +14,7 @@ from rtgen.facts.canopen import (
     EMERGENCY,
     EXTENDED,
     INVALID,
+    MAX_EXTENDED_ID,
     NO_RTR,
     PDOS,
     RPDO_COMMUNICATION,
@@ -47,7 +48,6 @@ _RESTRICTED: Final = (
 )
 _RESERVED: Final = 0x1FFFF800
 """Bits of a COB-ID with an 11-bit identifier that are 0."""
-_IDENTIFIER: Final = 0x1FFFFFFF
 _WORD: Final = 0xFFFFFFFF
 _RPDO_BASE: Final = 0x200
 _TPDO_BASE: Final = 0x180
@@ -162,7 +162,7 @@ def standing(service: Service, cob_id: int | None, *, chosen: bool = False) -> S
         return Standing.STATED
     if not service.on and cob_id & INVALID:
         return Standing.STATED
-    identifier = cob_id & _IDENTIFIER
+    identifier = cob_id & MAX_EXTENDED_ID
     if not identifier:
         return Standing.PREDEFINED
     if service.fixed:

@@ -15,7 +15,7 @@ from typing import TYPE_CHECKING, Any, ClassVar, Final, Generic, Self, TypeVar
 import msgspec
 from msgspec import field as field
 
-from rtgen.runtime.marshalling.descriptors import register
+from rtgen.runtime.marshalling.descriptors import DataType, register
 from rtgen.runtime.marshalling.dynamic.faults import decoding_error, encoding_error
 from rtgen.runtime.marshalling.equality import holds_numpy, same, same_members
 from rtgen.runtime.marshalling.errors import FAILURES
@@ -287,6 +287,7 @@ class UserException(Exception):
     """Base class of generated exceptions, equal if class and members are equal."""
 
     _descriptor_: ClassVar[ExceptionDescriptor]
+    _raised_: ClassVar[type[DataType]]
 
     if TYPE_CHECKING:
 

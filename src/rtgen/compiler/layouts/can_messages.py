@@ -16,6 +16,7 @@ from rtgen.facts.canopen import (
     ERROR_CONTROL,
     EXTENDED,
     INVALID,
+    MAX_STANDARD_ID,
     MAX_SYNC_CYCLIC,
     NMT,
     SDO_REQUEST,
@@ -134,7 +135,7 @@ def _pdo(
         MAX_DATA if pdo.multiplexed else (pdo.bits + 7) // 8,
         _nanoseconds(period),
         jitter=round(jitter * NANOSECONDS),
-        extended=identifier > 0x7FF,
+        extended=identifier > MAX_STANDARD_ID,
         queue=HOST if received else "",
         trigger="SYNC" if synchronous else "",
     )

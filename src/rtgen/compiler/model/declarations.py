@@ -217,6 +217,12 @@ class Operation(Documented, frozen=True, kw_only=True):
     repository_id: str = ""
 
     @property
+    def shape(self) -> tuple[object, ...]:
+        """What its signature consists of; operations of equal shape have equal bodies."""
+        parts = ((each.name, each.type, each.direction) for each in self.parameters)
+        return self.returns, bool(self.context), *parts
+
+    @property
     def arguments(self) -> list[Parameter]:
         """The parameters that a caller passes: `in` and `inout`."""
         return [p for p in self.parameters if p.direction is not Direction.OUT]

@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
+import os
 from collections.abc import Mapping
 from pathlib import Path
 
 from rtgen.compiler.diagnostics import ToolError
-from rtgen.facts.files import create_file, make_folder
+from rtgen.facts.files import create_file, make_folder, real_path
 from rtgen.tools.kit.exits import Refusal
 
 
@@ -21,17 +22,24 @@ def save(path: Path, octets: bytes) -> None:
 
 def require_different(outputs: Mapping[str, str | None], *inputs: str | Path) -> None:
     """Raise Refusal if two options name the same output, or one names an input."""
-    users: dict[Path, str] = {}
-    read = {Path(file).resolve() for file in inputs}
+    users: dict[str, str] = {}
+    read = {real_path(os.fspath(file)) for file in inputs}
     for option, file in outputs.items():
-        if file is None or Path(file).is_char_device():
+        if file is None or _is_device(file):
             continue  # such as /dev/null
-        path = Path(file).resolve()
+        path = real_path(file)
         if path in read:
             raise Refusal(f"{option} would overwrite {file}, which is read")
         other = users.setdefault(path, option)
         if other != option:
             raise Refusal(f"{other} and {option} both write {file}")
+
+
+def _is_device(file: str) -> bool:
+    try:
+        return Path(file).is_char_device()
+    except OSError:  # such as a loop of links
+        return False
 
 
 def results_of(name: str) -> Path:

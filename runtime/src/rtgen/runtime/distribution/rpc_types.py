@@ -13,12 +13,14 @@ from functools import cache
 from typing import Any
 
 import msgspec
+from msgspec.structs import replace
 
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Union, UserException
 from rtgen.runtime.distribution.medium import ServiceTypes
 from rtgen.runtime.distribution.rpc_header import ReplyHeader, RequestHeader
 from rtgen.runtime.marshalling.descriptors import (
+    NEXT,
     ArrayDescriptor,
     EnumDescriptor,
     FlagsDescriptor,
@@ -160,10 +162,11 @@ def _members(type_: Any) -> dict[str, Any]:
 
 
 def _all(members: Any) -> dict[str, Any]:
-    named = ((m.attribute, m) for m in members)
     return {
-        key: idl.member(m.type, name="return_" if key == "_result" else m.name)
-        for key, m in named
+        m.attribute: replace(
+            m, id=NEXT, name="return_" if m.attribute == "_result" else m.name
+        )
+        for m in members
     }
 
 

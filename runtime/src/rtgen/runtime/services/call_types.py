@@ -12,10 +12,11 @@ from functools import cached_property
 from typing import Any, TypeAlias
 
 import msgspec
+from msgspec.structs import replace
 
 from rtgen.runtime import idl
 from rtgen.runtime.cdr import Aggregated, UserException
-from rtgen.runtime.marshalling.descriptors import DataType, Descriptor
+from rtgen.runtime.marshalling.descriptors import NEXT, DataType, Descriptor
 from rtgen.runtime.services.servants import Servant
 
 Interfaces: TypeAlias = tuple[type[Servant] | None, ...]
@@ -59,12 +60,16 @@ class Call:
     def request(self) -> type[DataType] | None:
         """The class of requests; None if they are empty."""
         types = self._types
+        if not types.request:
+            return None
         return _body(f"{self._name} request", types.request, types.request_version)
 
     @cached_property
     def reply(self) -> type[DataType] | None:
         """The class of replies with results; None if they are empty."""
         types = self._types
+        if not types.reply:
+            return None
         return _body(f"{self._name} reply", types.reply, types.reply_version)
 
     @cached_property
@@ -80,19 +85,15 @@ def raised_body(exception: type[UserException]) -> type[DataType]:
         return known
     described = exception._descriptor_
     members = {"_id": idl.STRING} | {
-        member.attribute: idl.member(member.type, name=member.name)
-        for member in described.members
+        member.attribute: replace(member, id=NEXT) for member in described.members
     }
     name = f"{described.name.replace('::', '.')} raised"
     body = _body(name, members, described.representation)
-    assert body is not None
-    exception._raised_ = body  # type: ignore[attr-defined]
+    exception._raised_ = body
     return body
 
 
-def _body(name: str, members: Mapping[str, Any], version: int) -> type[DataType] | None:
-    if not members:
-        return None
+def _body(name: str, members: Mapping[str, Any], version: int) -> type[DataType]:
     fields: list[tuple[str, Any, Any]] = [
         (key, Any, msgspec.field(default_factory=list) if key == CONTEXT else None)
         for key in members  # values always have the others

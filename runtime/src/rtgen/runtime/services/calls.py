@@ -109,7 +109,7 @@ def _own_calls(base: type[Servant]) -> dict[str, Call]:
         calls = {
             name: Call(f"{described.name}.{name}", each) for name, each in types.items()
         }
-        base._own_calls_ = calls  # type: ignore[attr-defined]
+        base._own_calls_ = calls
     return calls
 
 

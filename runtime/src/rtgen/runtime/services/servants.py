@@ -63,6 +63,7 @@ class Servant(ABC):
     _stub_: ClassVar[type[Any]]
     _skeleton_: ClassVar[type[Any]]
     _calls_: ClassVar[str]
+    _own_calls_: ClassVar[dict[str, Any]]
 
 
 class Operation(msgspec.Struct, frozen=True):

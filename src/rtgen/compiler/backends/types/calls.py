@@ -98,10 +98,7 @@ class Calls:
         ]
 
     def _call(self, operation: Operation) -> Call:
-        parts = [
-            (each.name, each.type, each.direction) for each in operation.parameters
-        ]
-        shape = operation.returns, bool(operation.context), *parts
+        shape = operation.shape
         if shape not in self._shapes:
             self._shapes[shape] = self._bodies(operation)
         request, reply, refused = self._shapes[shape]

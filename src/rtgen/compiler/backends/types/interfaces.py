@@ -125,8 +125,7 @@ class Interfaces:
 
     def _signature(self, operation: Operation) -> str:
         """The parameters and the result of a method."""
-        parts = [(p.name, p.type, p.direction) for p in operation.parameters]
-        shape = operation.returns, *parts
+        shape = operation.shape
         text = self._signatures.get(shape)
         if text is None:
             parameters = ", ".join(self.mapping.parameters(operation))

@@ -7,6 +7,7 @@ from datetime import datetime
 from math import isfinite
 from typing import TYPE_CHECKING, Any
 
+from rtgen.facts.canopen import MAX_EXTENDED_ID, MAX_STANDARD_ID
 from rtgen.runtime.canopen.wire.frames import MAX_DATA
 
 if TYPE_CHECKING:
@@ -14,8 +15,6 @@ if TYPE_CHECKING:
 
 ERROR_FLAG = 0x20000000
 """Marks an error frame in an identifier (linux/can.h, CAN_ERR_FLAG)."""
-_MAX_STANDARD = 0x7FF
-_MAX_EXTENDED = 0x1FFFFFFF
 _BIT_RATE_SWITCH = 0x01
 _ERROR_STATE = 0x02
 
@@ -64,11 +63,11 @@ def _message(parts: re.Match[str], *, is_fd: bool, length: int | None) -> Messag
     if is_extended and can_id & ERROR_FLAG:
         return Message(
             is_error_frame=True,
-            arbitration_id=can_id & ~ERROR_FLAG & _MAX_EXTENDED,
+            arbitration_id=can_id & ~ERROR_FLAG & MAX_EXTENDED_ID,
             data=data[:MAX_DATA],
             **fields,
         )
-    if can_id > (_MAX_EXTENDED if is_extended else _MAX_STANDARD):
+    if can_id > (MAX_EXTENDED_ID if is_extended else MAX_STANDARD_ID):
         raise ValueError(f"{parts['id']} is not an identifier")
     flags = int(groups.get("flags") or "0", 16)
     return Message(

@@ -9,6 +9,7 @@ from typing import Final, Literal
 
 import msgspec
 
+from rtgen.facts.canopen import MAX_EXTENDED_ID
 from rtgen.runtime.canopen.wire.frames import Frame
 
 _NUMBER: Final = r"([0-9]*\.?[0-9]+)"
@@ -17,7 +18,6 @@ _FORM: Final = re.compile(
 )
 _MAX_SECONDS: Final = 86400.0
 """Maximum time of a fault, in seconds."""
-_MAX_IDENTIFIER: Final = 0x1FFFFFFF
 
 
 class Fault(msgspec.Struct, frozen=True, gc=False):
@@ -49,8 +49,8 @@ def fault_of(text: str) -> Fault:
             value,
             None if identifier is None else int(identifier, 16),
         )
-    if fault.identifier is not None and fault.identifier > _MAX_IDENTIFIER:
-        raise ValueError(f"{text!r}: an identifier is at most {_MAX_IDENTIFIER:X}")
+    if fault.identifier is not None and fault.identifier > MAX_EXTENDED_ID:
+        raise ValueError(f"{text!r}: an identifier is at most {MAX_EXTENDED_ID:X}")
     if kind == "loss" and fault.value > 1:
         raise ValueError(f"{text!r}: a probability is at most 1")
     if max(fault.value, fault.duration) > _MAX_SECONDS:
