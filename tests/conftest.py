@@ -17,11 +17,16 @@ from types import ModuleType
 import pytest
 import seeds
 from hypothesis import settings
+from hypothesis.internal.conjecture import providers
 from interpreters import TRIED_ONCE
 
 # How long an example takes is the machine's matter.
 settings.register_profile("rtgen", deadline=None)
 settings.load_profile("rtgen")
+
+# Otherwise what a seed draws would depend on the modules that other tests have loaded, all of
+# which each process would parse for their constants.
+providers._get_local_constants = providers.Constants
 
 # The default bus of python-can: no test may access a real one.
 for _variable in ("CAN_INTERFACE", "CAN_CHANNEL", "CAN_BITRATE", "CAN_CONFIG"):

@@ -5,6 +5,7 @@ from __future__ import annotations
 import importlib
 import logging
 import threading
+from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from itertools import pairwise
 from pathlib import Path
@@ -176,15 +177,17 @@ def test_the_end_of_a_run_that_waits() -> None:
 
 def test_calls_wait_for_their_turn(monkeypatch: pytest.MonkeyPatch) -> None:
     turns = Turns()
-    found: list[object] = []
-    thread = threading.Thread(
-        target=lambda: found.append(turns.call(threading.current_thread))
-    )
-    thread.start()
-    turns.rest(20.0, lambda: not turns._requests.empty() or not thread.is_alive())
-    while thread.is_alive():
-        turns.rest(0.01)
-    assert found == [threading.main_thread()]
+    callers: list[object] = []
+
+    def note_caller() -> int:
+        callers.append(threading.current_thread())
+        return 7
+
+    with ThreadPoolExecutor(1) as pool:
+        call = pool.submit(turns.call, note_caller)
+        turns.rest(20.0, lambda: bool(callers))
+        assert call.result(20.0) == 7
+    assert callers == [threading.main_thread()]
     monkeypatch.setattr("rtgen.runtime.ros2.turns._PATIENCE", 0.01)
     with pytest.raises(CallEnded):
         turns.call(int)
