@@ -56,7 +56,7 @@ struct Node {
     Py_ssize_t size;        /* octets of an atom */
     Py_ssize_t bound;       /* most items or octets, or -1 */
     Py_ssize_t length;      /* items of an array, or -1 */
-    Py_ssize_t minimum;     /* least octets of an item; of numbers the most that are a list */
+    Py_ssize_t minimum;     /* least octets of an item; of numbers in arrays the most that are a list */
     const Node *child, *key;
     uint32_t id;
     unsigned char must_understand;

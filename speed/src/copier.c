@@ -71,8 +71,8 @@ static PyObject *copy_members(const Node *node, PyObject *value, int depth) {
         PyObject *part = Py_XNewRef(*(PyObject **)((char *)value + node->members[i].offset));
         if (node->kind == UNION && i == 1) {
             int64_t number;
-            if (union_number(values[0], &number)) inner = NULL;
-            else inner = branch_of(node, number);
+            inner = union_number(values[0], &number) ? NULL : branch_of(node, number);
+            PyErr_Clear();  /* of a number that no label has */
             if (inner == NULL && part != Py_None) Py_CLEAR(part);
         }
         int shared = part == NULL || inner == NULL || inner->shared || (part == Py_None && node->members[i].optional);

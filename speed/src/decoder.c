@@ -242,7 +242,8 @@ static PyObject *take_numbers(Reader *r, const Node *node) {
     if (!node->dimensions && (take_count(r, &count) || (node->bound >= 0 && count > node->bound))) return NULL;
     if (count && (count > (r->end - r->position) / size || begin(r, node->child->align, count * size))) return NULL;
     if (node->dimensions > 1 && node->form == AS_LIST) return load_rows(r, node, 0);
-    if (node->form == AS_LIST || (!node->dimensions && count <= node->minimum)) return load_items(r, node->child, count);
+    int is_short = node->form == AS_ARRAY && !node->dimensions && count <= node->minimum;
+    if (node->form == AS_LIST || is_short) return load_items(r, node->child, count);
     const unsigned char *at = r->data + r->position;
     r->position += count * size;
     if (node->form == AS_ARRAY) return array_of(node, at, count * size, r->swap);

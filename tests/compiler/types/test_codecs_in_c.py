@@ -6,6 +6,7 @@ import gc
 import sys
 from array import array
 from collections.abc import Callable, Iterator
+from contextlib import suppress
 from decimal import Decimal
 from enum import IntEnum
 from functools import partial
@@ -19,6 +20,7 @@ import speed
 from random_types import Definitions, Values
 from seeds import budget, cases
 
+from rtgen.facts.numeric import FORMS, Numeric
 from rtgen.runtime import InPort, OutPort
 from rtgen.runtime.cdr import Aggregated, CdrError, Union
 from rtgen.runtime.marshalling import compiler, tables
@@ -119,6 +121,7 @@ class Checked:
         self._encode = Both("to_cdr", descriptor, format_)
         self._decode = Both("from_cdr", descriptor, format_)
         self._is_aggregated = issubclass(class_, Aggregated)
+        self._copies = self._is_aggregated and not is_dynamic(descriptor)
         if self._is_aggregated:
             self._copy = Both("_snapshot_", descriptor, CLASSIC)
         self._is_struct = issubclass(class_, Aggregated) and not issubclass(
@@ -159,7 +162,7 @@ class Checked:
                 self.octets(changed(draw, octets, little), little)
             for end in draw.choices(range(len(octets) + 1), k=4):
                 self.octets(octets[:end], little)
-        if self._is_aggregated and not is_dynamic(self._class._descriptor_):
+        if self._copies:
             self._copy.taken(value)
 
     def octets(self, octets: bytes, little: bool) -> None:
@@ -174,7 +177,11 @@ class Checked:
 
     def damaged(self, value: Any, draw: Random) -> None:
         """Compare a value of which a part is of another kind."""
-        self._encode.given(_damaged(value, draw), draw.random() < 0.5, is_rare=True)
+        damaged = _damaged(value, draw)
+        self._encode.given(damaged, draw.random() < 0.5, is_rare=True)
+        if self._copies and isinstance(damaged, self._class):
+            with suppress(AttributeError, TypeError, ValueError):  # which Python raises
+                self._copy.given(damaged, is_rare=True)
 
 
 _ODD = (None, "x", b"x", -1, 1 << 40, 1 << 64, 1.5, 1e300, [], [None], (1, 2), {}, True)
@@ -205,16 +212,22 @@ def _damaged(value: Any, draw: Random) -> Any:
 
 
 def _drawn(number: int, folder: Path) -> Iterator[tuple[Any, Any, Random]]:
-    """Yield classes and values: types with headers by an odd number, those of CORBA by an even."""
+    """Yield classes and values: types with headers by an odd number, those of CORBA by an even.
+
+    Numbers have each form in turn.
+    """
     draw = Random(number)
+    numeric = FORMS[number // 2 % len(FORMS)]
     if number % 2:
-        package = emitted.emit_text(folder, Drawing(draw).definitions().text())
+        text = Drawing(draw).definitions().text()
+        package = emitted.emit_text(folder, text, numeric)
         for class_ in emitted.classes(package):
             if issubclass(class_, Aggregated):
                 for _ in range(VALUES):
                     yield class_, sample(class_._descriptor_, draw), draw
         return
-    package = emitted.emit_text(folder, Definitions(draw, f"Drawn{number}").text(20))
+    text = Definitions(draw, f"Drawn{number}").text(20)
+    package = emitted.emit_text(folder, text, numeric)
     classes = [c for c in emitted.classes(package) if hasattr(c, "to_cdr")]
     covered = [c._descriptor_ for c in classes if Checked.covered(c, CLASSIC)]
     anys = [d for d in covered if not isinstance(d, ExceptionDescriptor)] + _IN_ANY
@@ -236,7 +249,7 @@ _IN_ANY: list[Descriptor] = [
 @pytest.mark.nightly
 def test_drawn_types(tmp_path: Path) -> None:
     covered = 0
-    for number in cases(20, always=4):
+    for number in cases(20, always=6):
         folder = tmp_path / str(number)
         folder.mkdir()
         for class_, value, draw in _drawn(number, folder):
@@ -318,6 +331,58 @@ def test_characters_at_each_place_of_a_wide_string(tmp_path: Path) -> None:
                         assert decode.taken(line, value.to_cdr()) == repr(value)
                     else:
                         assert encode.given(value).startswith("CdrError at Line.text")
+
+
+def test_discriminators_that_no_label_has(tmp_path: Path) -> None:
+    """Samples are copied as they are, whatever the discriminator; encoding says what is wrong."""
+    text = """
+    union Chosen switch (short) { case 1: string text; };
+    union Marked switch (char) { case 'a': sequence<long> row; };
+    struct Held { Chosen first; Marked second; };
+    """
+    case = emitted.emit_text(tmp_path, text)._idl.case
+    copy = Both("_snapshot_", case.Held._descriptor_, CLASSIC)
+    encode = Both("to_cdr", case.Held._descriptor_, CLASSIC)
+    for odd in (None, "", "ab", 0, -1 << 63, 1 << 63, 1 << 64, -1 << 64, 1.5, b"a"):
+        for value in (
+            case.Held(case.Chosen(odd, None), case.Marked("a", [1])),
+            case.Held(case.Chosen(1, "a"), case.Marked(odd, None)),
+        ):
+            assert copy.taken(value) == repr(value)
+            encode.given(value, is_rare=True)
+
+
+@pytest.mark.parametrize("numeric", FORMS)
+def test_numbers_of_each_length_and_form(tmp_path: Path, numeric: Numeric) -> None:
+    """What is decoded is of the same class, empty or not."""
+    text = """
+    struct Held {
+        sequence<double> one; sequence<sequence<short> > many; sequence<octet> octets;
+        sequence<unsigned long, 80> pair[2]; map<string, sequence<float> > named;
+    };
+    """
+    held = emitted.emit_text(tmp_path, text, numeric)._idl.case.Held
+    for format_ in (Format(1), Format(2)):
+        decode = Both("from_cdr", held._descriptor_, format_)
+        encode = Both("to_cdr", held._descriptor_, format_)
+        for count in (0, 1, 2, 63, 64, 65, 80):
+            row, octets = [*range(count)], bytes(count)
+            value = held(row, [row, row], octets, [row, row], {"a": row})
+            for little in (True, False):
+                encoded = encode.in_c(value, little)
+                assert encoded == encode.in_python(value, little)
+                decode.taken(held, encoded, little)
+                classes = [
+                    {
+                        name: type(getattr(decoded, name))
+                        for name in held.__struct_fields__
+                    }
+                    for decoded in (
+                        decode.in_python(held, encoded, little),
+                        decode.in_c(held, encoded, little),
+                    )
+                ]
+                assert classes[0] == classes[1]
 
 
 IDL = """
