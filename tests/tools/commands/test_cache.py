@@ -61,6 +61,16 @@ def test_a_file_that_appears_where_one_was_looked_for(pipeline: Pipeline) -> Non
     assert pipeline.reads == 2
 
 
+def test_a_link_to_the_same_text_is_read_again(pipeline: Pipeline) -> None:
+    """Generated files name a definition by where it is, not by a link to it."""
+    build(project(), cache.default())
+    Path("b.idl").rename("elsewhere.idl")
+    Path("b.idl").symlink_to("elsewhere.idl")
+    build(project(), cache.default())
+    build(project(), cache.default())
+    assert pipeline.reads == 2
+
+
 @pytest.mark.parametrize(
     "change",
     [

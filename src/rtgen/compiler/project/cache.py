@@ -32,12 +32,12 @@ from rtgen.compiler.kit.own_files import (
 from rtgen.compiler.project.compilation import Compilation
 from rtgen.compiler.project.kinds import is_component_profile
 from rtgen.compiler.project.loading import Project
-from rtgen.facts.files import MAX_BYTES, read_start
+from rtgen.facts.files import MAX_BYTES, read_start, real_path
 
 if TYPE_CHECKING:
     from importlib import metadata
 
-_FORMAT = "rtgen-run/6"
+_FORMAT = "rtgen-run/7"
 _LIBRARIES = {"artifacts": ("jinja2", "lark")}
 """Libraries whose versions affect the output."""
 
@@ -136,12 +136,15 @@ class Cache:
         """Return the entry of a key, if it exists and its dependencies are unchanged."""
         file = self._file(key)
         content = read_own(str(file), stored_files.MAX_BYTES + 1) or b""
-        digest, _, payload = content.partition(b"\n")
+        head, _, payload = content.partition(b"\n")
+        digest, _, places = head.partition(b" ")
         if digest != sha256(payload).hexdigest().encode():
             return None
         try:
             run = msgspec.json.decode(payload, type=Compilation)
         except ValueError:
+            return None
+        if places != _places(run).encode():
             return None
         if any(hash_of(Path(path)) != d for path, d in run.dependencies.items()):
             return None
@@ -165,7 +168,8 @@ class Cache:
             payload = msgspec.json.encode(entry, enc_hook=str)  # texts are `Code`
         except UnicodeEncodeError:
             return  # the name of a file is not text
-        data = sha256(payload).hexdigest().encode() + b"\n" + payload
+        head = f"{sha256(payload).hexdigest()} {_places(run)}\n"
+        data = head.encode() + payload
         stored_files.write(self._folder, self._file(key).name, data)
 
     def _file(self, key: str) -> Path:
@@ -175,6 +179,11 @@ class Cache:
 def default() -> Cache:
     """Return the user's cache."""
     return Cache(stored_files.folder())
+
+
+def _places(run: Compilation) -> str:
+    """Return the hash of where links lead from the paths of a run: files are named by that."""
+    return _hash("\0".join(map(real_path, run.dependencies)))
 
 
 def _files_in_diagnostics(run: Compilation) -> set[str]:
