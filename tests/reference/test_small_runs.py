@@ -9,8 +9,8 @@ import subprocess
 import sys
 from pathlib import Path
 
-import programs
 import pytest
+from micropython import micropython
 
 from refnav.contents_interpretation import ContentsInterpretation
 from refnav.hokuyo_aist import HokuyoAist
@@ -163,10 +163,7 @@ def test_only_what_micropython_reads_is_written(board: Path) -> None:
 
 
 def test_micropython_gives_the_same(board: Path, embedded: list[str]) -> None:
-    found = programs.find("micropython")
-    if found is None:
-        pytest.skip("micropython (unix port) is not installed")
-    printed = on_board(board, [found], MICROPYPATH=str(board))
+    printed = micropython(DRIVER.read_text("utf-8"), board).splitlines()
 
     def comparable(lines: list[str]) -> list[list[str]]:
         # Sines of another C library may differ in the last bit, so only the length of scans is

@@ -2,32 +2,21 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+import shutil
+from pathlib import Path
 from typing import Any
 
 import pytest
+from life_cycle_driver import CALLBACKS, FAILURES, STATES, Probe, drive
 from life_cycle_rows import Row, read_table
+from micropython import micropython
 
-from rtgen import runtime
-from rtgen.small_runtime import (
-    ACTIVE_STATE,
-    CREATED_STATE,
-    ERROR_STATE,
-    INACTIVE_STATE,
-    PRECONDITION_NOT_MET,
-    RTC_ERROR,
-    RTC_OK,
-    SECOND,
-    Component,
-    System,
-)
+from rtgen import runtime, small_runtime
+from rtgen.small_runtime import CREATED_STATE, PRECONDITION_NOT_MET, RTC_OK, System
 
-STATES = {
-    "CREATED": CREATED_STATE,
-    "INACTIVE": INACTIVE_STATE,
-    "ACTIVE": ACTIVE_STATE,
-    "ERROR": ERROR_STATE,
-}
+DRIVER = Path(__file__).with_name("life_cycle_driver.py")
+ALL_STATES = {"CREATED": CREATED_STATE, **STATES}
 ANSWERS = {"RTC_OK": RTC_OK, "PRECONDITION_NOT_MET": PRECONDITION_NOT_MET, "-": None}
 REQUESTS = ("activate", "deactivate", "reset")
 ROWS = [
@@ -40,73 +29,35 @@ ROWS = [
 TICKS = {
     row.state: row.callbacks for row in ROWS if row.request == "tick" and not row.fails
 }
-CALLBACKS = [name for name in vars(Component) if name.startswith("on_")]
 
 
-class Probe(Component):
-    """Records each callback; lets one of them fail."""
-
-    def __init__(self) -> None:
-        super().__init__("probe")
-        self.calls: list[str] = []
-        self.failing = ""
-        self.answer: object = RTC_ERROR
-
-
-def noting(name: str) -> Callable[..., Any]:
-    def callback(self: Probe, *handle: int) -> object:
-        assert handle in ((), (0,))
-        self.calls.append(name)
-        if name != self.failing:
-            return RTC_OK
-        if isinstance(self.answer, Exception):
-            raise self.answer
-        return self.answer
-
-    return callback
-
-
-for _name in CALLBACKS:
-    setattr(Probe, _name, noting(_name))
-
-
-def tick(system: System) -> None:
-    system.run(system.time + SECOND // 100)
-
-
-def prepared(state: str) -> tuple[Probe, System]:
-    probe, system = Probe(), System()
-    system.add(probe, 100.0)
-    assert probe.calls == ["on_initialize", "on_startup"]
-    if state != "INACTIVE":
-        probe.failing = "on_activated" if state == "ERROR" else ""
-        assert system.activate(probe) == RTC_OK
-        tick(system)
-        probe.failing = ""
-    assert system.state(probe) == STATES[state]
-    probe.calls.clear()
-    return probe, system
-
-
-@pytest.mark.parametrize("answer", [RTC_ERROR, None, False, ValueError("no")], ids=repr)
-@pytest.mark.parametrize("row", ROWS, ids=str)
-def test_row(row: Row, answer: object) -> None:
-    probe, system = prepared(row.state)
-    probe.failing, probe.answer = row.fails, answer
-    if row.request == "tick":
-        tick(system)
-    elif row.request == "exit":
-        system.close()
-    else:
-        assert getattr(system, row.request)(probe) == ANSWERS[row.answer]
-        assert probe.calls == []
-        tick(system)
-    expected = list(row.callbacks)
+def result_of(row: Row) -> list[Any]:
+    """Return what a row says: the answer, the callbacks, and the number of the new state."""
+    answer, callbacks = None, list(row.callbacks)
     if row.request in REQUESTS:
+        answer = ANSWERS[row.answer]
         entered_error = row.new_state == "ERROR" and row.state != "ERROR"
-        expected += [] if entered_error else TICKS[row.new_state]
-    assert probe.calls == expected
-    assert system.state(probe) == STATES[row.new_state]
+        callbacks += [] if entered_error else TICKS[row.new_state]
+    return [answer, callbacks, ALL_STATES[row.new_state]]
+
+
+@pytest.mark.parametrize("failure", FAILURES)
+@pytest.mark.parametrize("row", ROWS, ids=str)
+def test_row(row: Row, failure: str) -> None:
+    assert drive(row.state, row.request, row.fails, failure) == result_of(row)
+
+
+def test_rows_on_micropython(tmp_path: Path) -> None:
+    assert small_runtime.__file__
+    source = Path(small_runtime.__file__).parent
+    shutil.copytree(source, tmp_path / "rtgen" / "small_runtime")
+    driven = [(row, failure) for row in ROWS for failure in FAILURES]
+    given = "".join(
+        f"{json.dumps([row.state, row.request, row.fails, failure])}\n"
+        for row, failure in driven
+    )
+    results = micropython(DRIVER.read_text("utf-8"), tmp_path, given).splitlines()
+    assert [*map(json.loads, results)] == [result_of(row) for row, _ in driven]
 
 
 def test_rows_are_of_every_kind() -> None:
