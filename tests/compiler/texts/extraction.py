@@ -575,11 +575,6 @@ def page() -> dict[str, list[tuple[str, str]]]:
     return found
 
 
-def texts_of_page() -> frozenset[str]:
-    """Return the texts of the page; see `page`."""
-    return frozenset(text for _, text in page()["texts"])
-
-
 LOSSES = ROOT / "runtime/src/rtgen/runtime/ports/data_ports.py"
 """The module whose property `losses` names what became of samples; counts precede them."""
 
