@@ -85,14 +85,14 @@ drift: $(VENV)/test.stamp
 # workers than processors, since many tests wait for programs, browsers and peers.
 # Assertions that show their values take time to be compiled: only what fails has them.
 pytest: $(VENV)/test.stamp page peers speed
-	$(call PYTEST,build/pytest,-m "not waits and not nightly" $(FOLDER),3)
+	$(call PYTEST,build/pytest$(OF_WING),-m "not waits and not nightly" $(FOLDER),3)
 
 # Tests that wait for clocks and processes most of their time, and need no processor meanwhile.
 waits: $(VENV)/test.stamp page peers
-	$(if $(WAITING),$(call PYTEST,build/pytest-waits,-m "waits and not nightly" $(WAITING)))
+	$(if $(WAITING),$(call PYTEST,build/pytest-waits$(OF_WING),-m "waits and not nightly" $(WAITING)))
 
 dear: $(VENV)/test.stamp page peers speed
-	$(call PYTEST,build/pytest-nightly,-m "(nightly and not left_out and not postponed) or random" $(FOLDER))
+	$(call PYTEST,build/pytest-nightly$(OF_WING),-m "(nightly and not left_out and not postponed) or random" $(FOLDER))
 
 # The tests of marshalling once more, with the codecs in C.
 codecs: export RTGEN_CODEC = c
@@ -108,6 +108,8 @@ MARSHALLING = tests/compiler/types tests/fuzz/test_doors.py tests/ros2/test_mars
 	tests/tools/diff/test_wire_of_types.py
 
 FOLDER = tests$(if $(WING),/$(WING))
+# Failures of another wing are not tried again.
+OF_WING = $(if $(WING),-$(WING))
 WAITING = $(shell grep -rl --include='*.py' mark.waits $(FOLDER))
 
 define PYTEST

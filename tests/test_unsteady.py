@@ -28,6 +28,8 @@ esac
         (1, ["first", "second", "third", "fourth"], 1, 1),
         (2, ["first"], 2, 1),
         (4, [], 4, 0),
+        (5, [], 0, 0),
+        (5, ["never"], 0, 0),
     ],
 )
 def test_tests_that_pass_alone_each_time_are_no_failures(

@@ -19,15 +19,19 @@ TIMES = 3
 """How often each of them has to pass."""
 FAILURES = 1
 """The exit code of pytest if tests failed; others tell that a run was not completed."""
+NO_TESTS = 5
+"""The exit code of pytest if it selects no test: a wing may have none that waits."""
 
 
 def judge(
     code: int, cache: Path, python: str, environment: dict[str, str] | None = None
 ) -> int:
-    """Return 0 if all tests that failed are unsteady, else the exit code of the run.
+    """Return 0 if there are no tests or all that failed are unsteady, else the run's exit code.
 
     The tests are shown with the values of their assertions.
     """
+    if code == NO_TESTS:
+        return 0
     file = cache / "v" / "cache" / "lastfailed"
     failed = [*json.loads(file.read_text())] if file.exists() else []
     times = TIMES if code == FAILURES and 0 < len(failed) <= MOST else 1
