@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import ast
 import io
+import json
 import shlex
 import tokenize
 from pathlib import Path
@@ -21,6 +22,7 @@ from rtgen.compiler.backends.kit.quoting import (
     properties,
     python,
     scripts,
+    typescript,
     xml,
 )
 from rtgen.compiler.frontends.idl import load as load_idl
@@ -140,6 +142,26 @@ def test_shell_word(value: str) -> None:
 def test_batch_text_has_nothing_that_the_processor_expands(value: str) -> None:
     for shown in (scripts.batch_comment(value), _or_none(scripts.quote_batch, value)):
         assert shown is None or not set(shown) & set('%!&|<>^"\n\r')
+
+
+@hostile
+def test_typescript_string(value: str) -> None:
+    assert json.loads(typescript.string(value)) == value
+    assert json.loads(f"[{typescript.string(value)}]") == [value]
+
+
+@hostile
+def test_typescript_comments_end_where_they_shall(value: str) -> None:
+    shown = typescript.comment(value, 2)
+    assert not shown or (shown.find("*/"), shown[-1]) == (len(shown) - 3, "\n")
+    head = typescript.line_comment([python.comment_text(value)])
+    assert not set(head) & set("\n\r\u2028\u2029")
+
+
+@hostile
+def test_what_typescript_takes_unquoted_is_a_name_or_path(value: str) -> None:
+    shown = _or_none(typescript.quote, value)
+    assert shown is None or not set(shown) & set(" ;,()[]{}'\"`=<>*-\\\n\r\u2028\u2029")
 
 
 @hostile

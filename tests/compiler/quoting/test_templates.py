@@ -21,7 +21,9 @@ def _inserted(suffix: str, text: str) -> str:
     return environment.get_template("t").render(text=text)
 
 
-@pytest.mark.parametrize("suffix", [".py", ".conf", ".bat", ".rb", ".txt", ".zig", ""])
+@pytest.mark.parametrize(
+    "suffix", [".py", ".conf", ".bat", ".rb", ".ts", ".txt", ".zig", ""]
+)
 def test_plain_insertion_of_a_text_is_refused(suffix: str) -> None:
     with pytest.raises(UnquotableError):
         _inserted(suffix, TEXT)

@@ -17,7 +17,14 @@ from typing import TYPE_CHECKING
 import msgspec
 from markupsafe import Markup
 
-from rtgen.compiler.backends.kit.quoting import names, properties, python, scripts, xml
+from rtgen.compiler.backends.kit.quoting import (
+    names,
+    properties,
+    python,
+    scripts,
+    typescript,
+    xml,
+)
 from rtgen.compiler.backends.kit.statements import statements
 
 if TYPE_CHECKING:
@@ -74,6 +81,16 @@ LANGUAGES: Mapping[str, Language] = {
         scripts.quote_ruby,
         scripts.Ruby,
         {"literal": scripts.ruby_string, "comment": scripts.ruby_comment},
+    ),
+    ".ts": Language(
+        typescript.quote,
+        typescript.TypeScript,
+        {
+            "literal": typescript.string,
+            "comment": typescript.comment,
+            "property": typescript.property_name,
+            "code": typescript.TypeScript,
+        },
     ),
     ".xml": _XML,
     ".svg": _XML,

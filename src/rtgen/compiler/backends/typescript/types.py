@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from typing import Final, TypeVar
 
-from rtgen.compiler.backends.typescript import quoting
+from rtgen.compiler.backends.kit.quoting import typescript as quoting
 from rtgen.compiler.layouts.representations import Representations, member_types
 from rtgen.compiler.model import (
     ArrayType,
@@ -218,7 +218,7 @@ class Types:
         rows = _rows(value, dimensions[-1])
         special = self._special(element)
         if special is not None and special[1] == "string":
-            items = [quoting.string("".join(map(str, row))) for row in rows]
+            items: list[str] = [quoting.string("".join(map(str, row))) for row in rows]
         else:
             head, end = ("Uint8Array.of(", ")") if special is not None else ("[", "]")
             texts = ([self.literal(element, item) for item in row] for row in rows)
