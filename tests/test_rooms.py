@@ -14,6 +14,8 @@ from rtgen_sources import sources
 
 MOST = {"compiler": 42_000, "runtime": 42_000}
 """Maximum number of lines for a room of each wing, with its own."""
+MAX_COMMAND = 200
+"""Maximum number of lines of a module of the command line."""
 DIVIDED = ("compiler.frontends", "compiler.backends")
 """The packages of which each part is a room."""
 
@@ -52,3 +54,9 @@ def test_a_room_and_all_that_it_uses_can_be_read(wing: str) -> None:
     }
     assert max(lines.values()) > 10_000
     assert {room: n for room, n in lines.items() if n > MOST[wing]} == {}
+
+
+def test_the_modules_of_the_command_line_are_short() -> None:
+    commands = {m: n for m, n in LINES.items() if m.startswith("rtgen.cli.")}
+    assert len(commands) > 50
+    assert {m: n for m, n in commands.items() if n > MAX_COMMAND} == {}

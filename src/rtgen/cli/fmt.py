@@ -86,39 +86,30 @@ def fmt(
     if _STANDARD_INPUT in paths:
         if len(paths) > 1:
             raise click.UsageError("standard input is formatted alone")
-        data = sys.stdin.buffer.read(MAX_BYTES + 1)
-        change = form.change(Path(stdin_filename), data)
-        if not (check or as_diff):
-            write_out(change.new or b"")
-            return OK
-        changes = [change] if change.new != data else []
-        _print(changes, as_diff)
-        return NO if changes else OK
+        return _format_input(form, Path(stdin_filename), check=check, as_diff=as_diff)
     files = [*_files(project, paths)]
     if lines is not None and len(files) != 1:
         raise click.UsageError("--range is for a single file")
-    changes, diagnostics = [], []
+    keeps = check or as_diff
+    changes: list[Change] = []
+    diagnostics: list[Diagnostic] = []
     named = {*map(Path, paths)}
     for path in files:
-        if _has_no_formatter(path) and path not in named:
-            diagnostics.append(_left_out(path))
-            continue
         try:
-            data = _content(path)
-            change = form.change(path, data)
+            change = _change(form, path, is_named=path in named)
         except InputError as error:
             diagnostics += error.diagnostics
             continue
-        if change.new != data:
+        if change.new != change.old:
             # At once: the longer it takes, the likelier someone else changes the file.
-            if not (check or as_diff):
+            if not keeps:
                 rewrite(change)
                 console.say(f"formatted {shown(path)}")
             changes.append(change)
     console.findings(diagnostics)
     if has_errors(diagnostics):
         return BAD_INPUT
-    if check or as_diff:
+    if keeps:
         _print(changes, as_diff)
         return NO if changes else OK
     unchanged = len(files) - len(changes)
@@ -126,6 +117,18 @@ def fmt(
         f"{counted(len(changes), 'file')} formatted, {unchanged} left as they are"
     )
     return OK
+
+
+def _format_input(form: _Form, name: Path, *, check: bool, as_diff: bool) -> int:
+    """Format standard input, a file with a name, and return the exit code."""
+    data = sys.stdin.buffer.read(MAX_BYTES + 1)
+    change = form.change(name, data)
+    if not (check or as_diff):
+        write_out(change.new or b"")
+        return OK
+    changes = [change] if change.new != data else []
+    _print(changes, as_diff)
+    return NO if changes else OK
 
 
 @dataclass(frozen=True, slots=True)
@@ -164,13 +167,16 @@ def _files(project: Project, paths: tuple[str, ...]) -> Iterator[Path]:
             yield path
 
 
-def _has_no_formatter(path: Path) -> bool:
-    return path.suffix.lower() == toml.SUFFIX and not toml.is_available()
+def _change(form: _Form, path: Path, *, is_named: bool) -> Change:
+    """Return a file with its formatted content.
 
-
-def _left_out(path: Path) -> Diagnostic:
-    message = f"{path.as_posix()} is left as it is: tombi is not installed"
-    return NO_FORMATTER.at(None, message, hint=installation("fmt"))
+    Raises InputError, also for a file that is left as it is since its formatter is missing.
+    """
+    is_toml = path.suffix.lower() == toml.SUFFIX
+    if is_toml and not is_named and not toml.is_available():
+        message = f"{path.as_posix()} is left as it is: tombi is not installed"
+        raise InputError([NO_FORMATTER.at(None, message, hint=installation("fmt"))])
+    return form.change(path, _content(path))
 
 
 def _content(path: Path) -> bytes:

@@ -73,18 +73,18 @@ def _same(one: tuple[TecsMember, ...], other: tuple[TecsMember, ...]) -> bool:
 
 def _entity(
     kind: Kind,
-    written: tree.StructSpecifier | tree.EnumSpecifier,
+    node: tree.StructSpecifier | tree.EnumSpecifier,
     place: Place,
     name: str,
 ) -> Entity:
     """Return the entity of a struct or enum, with an unused name: its tag, else `name`."""
-    keyword = "struct" if isinstance(written, tree.StructSpecifier) else written.keyword
-    span = place.unit.span(written.start, written.start + len(keyword))
-    if written.tag is not None:
-        name, span = written.tag.text, place.span(written.tag)
+    keyword = "struct" if isinstance(node, tree.StructSpecifier) else node.keyword
+    span = place.unit.span(node.start, node.start + len(keyword))
+    if node.tag is not None:
+        name, span = node.tag.text, place.span(node.tag)
     while name in place.scope.structs:
         name += "_"
-    return Entity(kind, (*place.scope.name, name), place.unit, written, span)
+    return Entity(kind, (*place.scope.name, name), place.unit, node, span)
 
 
 def _referred(tag: tree.Name, scope: Scope) -> ScopedName:
@@ -100,21 +100,21 @@ class Types:
         self._table = table
         self._report = table.report
         self.expressions = Expressions(table, self.of_name)
-        self._later: list[tuple[tree.ScopedName, Place]] = []
+        self._unresolved_descriptors: list[tuple[tree.ScopedName, Place]] = []
 
     def of(
-        self, written: tree.QualifiedType, place: Place, name: str = UNTAGGED
+        self, node: tree.QualifiedType, place: Place, name: str = UNTAGGED
     ) -> CType | None:
         """Return the type with its qualifiers; None, after a diagnostic, if it has errors.
 
         `name` is that of a struct or enum without a tag (`name_of_untagged`).
         """
-        found = self._specified(written.type, place, name)
+        found = self._specified(node.type, place, name)
         if found is None or isinstance(
             found, CArrayType | CFunctionType | DescriptorType
         ):
             return found
-        words = {word.text for word in written.qualifiers}
+        words = {word.text for word in node.qualifiers}
         if not words:
             return found
         return replace(
@@ -123,60 +123,58 @@ class Types:
             volatile=found.volatile or "volatile" in words,
         )
 
-    def of_name(self, written: tree.TypeName, place: Place) -> CType | None:
+    def of_name(self, node: tree.TypeName, place: Place) -> CType | None:
         """Return the type of a cast; None, after a diagnostic, if it has errors."""
-        base = self.of(written.type, place)
-        return self.declared(base, written.declarator, place)
+        base = self.of(node.type, place)
+        return self.declared(base, node.declarator, place)
 
     def _specified(
-        self, written: tree.TypeSpecifier, place: Place, name: str
+        self, node: tree.TypeSpecifier, place: Place, name: str
     ) -> CType | None:
-        if isinstance(written, tree.BasicType):
-            return self._basic(written, place)
-        if isinstance(written, tree.TypedefName):
-            return self._typedef(written, place)
-        if isinstance(written, tree.StructSpecifier):
-            return self._struct(written, place, name)
-        if isinstance(written, tree.EnumSpecifier):
-            return self._enum(written, place, name)
-        return self._descriptor(written.signature, place)
+        if isinstance(node, tree.BasicType):
+            return self._basic(node, place)
+        if isinstance(node, tree.TypedefName):
+            return self._typedef(node, place)
+        if isinstance(node, tree.StructSpecifier):
+            return self._struct(node, place, name)
+        if isinstance(node, tree.EnumSpecifier):
+            return self._enum(node, place, name)
+        return self._descriptor(node.signature, place)
 
-    def _descriptor(self, written: tree.ScopedName, place: Place) -> CType | None:
+    def _descriptor(self, node: tree.ScopedName, place: Place) -> CType | None:
         """Return the type of a descriptor, whose signature may be declared later."""
-        if place.scope.find(written) is None:
-            self._later.append((written, place))
-            around = (
-                () if written.absolute or len(written.parts) > 1 else place.scope.name
-            )
-            return DescriptorType((*around, *(part.text for part in written.parts)))
-        return self._signature(written, place)
+        if place.scope.find(node) is None:
+            self._unresolved_descriptors.append((node, place))
+            around = () if node.absolute or len(node.parts) > 1 else place.scope.name
+            return DescriptorType((*around, *(part.text for part in node.parts)))
+        return self._signature(node, place)
 
-    def _signature(self, written: tree.ScopedName, place: Place) -> CType | None:
-        entity = self._table.find(written, place, (Kind.SIGNATURE,), "a descriptor")
+    def _signature(self, node: tree.ScopedName, place: Place) -> CType | None:
+        entity = self._table.find(node, place, (Kind.SIGNATURE,), "a descriptor")
         return None if entity is None else DescriptorType(entity.name)
 
     def finish(self) -> None:
         """Resolve signatures of descriptors that are declared after their use."""
-        for written, place in self._later:
-            self._signature(written, place)
+        for node, place in self._unresolved_descriptors:
+            self._signature(node, place)
 
-    def _basic(self, written: tree.BasicType, place: Place) -> CType | None:
-        if written.sign is None:
-            return _CHAR if written.plain else _SCALARS[written.kind]
-        span = place.span(written)
-        if written.kind not in _SIGNED:
-            message = f"{written.kind} has a sign of its own"
+    def _basic(self, node: tree.BasicType, place: Place) -> CType | None:
+        if node.sign is None:
+            return _CHAR if node.plain else _SCALARS[node.kind]
+        span = place.span(node)
+        if node.kind not in _SIGNED:
+            message = f"{node.kind} has a sign of its own"
             self._report(rules.SIGN_TWICE.at(span, message))
             return None
-        signed, unsigned = _SIGNED[written.kind]
-        kind = signed if written.sign == "signed" else unsigned
-        if written.kind in _WITH_SIZE:
-            message = f"'{written.sign} {written.kind}' is an old way to write {kind}"
+        signed, unsigned = _SIGNED[node.kind]
+        kind = signed if node.sign == "signed" else unsigned
+        if node.kind in _WITH_SIZE:
+            message = f"'{node.sign} {node.kind}' is an old way to write {kind}"
             self._report(rules.SIGN_OF_SIZED.at(span, message, hint=f"write {kind}"))
-        return CScalarType(kind, plain=written.plain)
+        return CScalarType(kind, plain=node.plain)
 
-    def _typedef(self, written: tree.TypedefName, place: Place) -> CType | None:
-        name = written.name.text
+    def _typedef(self, node: tree.TypedefName, place: Place) -> CType | None:
+        name = node.name.text
         for around in place.scope.outwards():
             entity = around.entities.get(name)
             if entity is not None and entity.kind is Kind.TYPEDEF:
@@ -184,27 +182,27 @@ class Types:
                     return CTypedefType(entity.name, entity.declaration.type)
                 return None
         if name in prelude.TYPES and self._table.with_prelude:
-            self._table.note_prelude(name, place, written.name)
+            self._table.note_prelude(name, place, node.name)
             return CTypedefType((name,), prelude.TYPES[name])
         if name in place.unit.guessed:
             return CTypedefType((name,), opaque(name))
         return None  # reported by the parser
 
     def _struct(
-        self, written: tree.StructSpecifier, place: Place, name: str
+        self, node: tree.StructSpecifier, place: Place, name: str
     ) -> CType | None:
-        if written.members is None:
-            assert written.tag is not None
-            return CStructType(_referred(written.tag, place.scope))
-        known = place.scope.tags.get(written.tag.text) if written.tag else None
+        if node.members is None:
+            assert node.tag is not None
+            return CStructType(_referred(node.tag, place.scope))
+        known = place.scope.tags.get(node.tag.text) if node.tag else None
         if known is not None and isinstance(known.declaration, TecsStruct):
-            members = self._members(written.members, place, known.name[-1])
+            members = self._members(node.members, place, known.name[-1])
             if members is not None and _same(members, known.declaration.members):
                 return CStructType(known.name)
-        entity = _entity(Kind.STRUCT, written, place, name)
-        if not self._declare_tag(place.scope, written.tag, entity):
+        entity = _entity(Kind.STRUCT, node, place, name)
+        if not self._declare_tag(place.scope, node.tag, entity):
             return None
-        members = self._members(written.members, place, entity.name[-1])
+        members = self._members(node.members, place, entity.name[-1])
         if members is None:
             entity.broken = True
             return None
@@ -212,7 +210,7 @@ class Types:
             name=entity.name,
             file=place.unit.source.name,
             span=entity.place,
-            doc=place.doc(written),
+            doc=place.doc(node),
             members=members,
         )
         self._table.declared(entity)
@@ -236,7 +234,7 @@ class Types:
         self, items: Iterable[tree.MemberItem], place: Place, tag: str
     ) -> tuple[TecsMember, ...] | None:
         found: dict[str, tuple[tree.MemberItem, tree.Name, CType]] = {}
-        good = True
+        ok = True
         for item in items:
             name_of_type = f"{tag}_{name_of_untagged(item.declarators)}"
             base = self.of(item.type, place, name_of_type)
@@ -244,7 +242,7 @@ class Types:
                 type_ = self.declared(base, declarator, place)
                 name = declarator.name
                 if type_ is None or name is None:
-                    good = False
+                    ok = False
                 elif name.text in found:
                     self._report(
                         rules.MEMBER_TWICE.at(
@@ -258,16 +256,16 @@ class Types:
                             ],
                         )
                     )
-                    good = False
+                    ok = False
                 else:
-                    good &= self.is_value(type_, place, name, member=True)
+                    ok &= self.is_value(type_, place, name, member=True)
                     found[name.text] = (item, name, type_)
         types = {name: type_ for name, (_, _, type_) in found.items()}
         members = []
         for item, name, type_ in found.values():
             sizes = self._member_sizes(item.specifiers, name, type_, types, place)
             if sizes is None:
-                good = False
+                ok = False
             else:
                 members.append(
                     TecsMember(
@@ -278,7 +276,7 @@ class Types:
                         doc=place.doc(item),
                     )
                 )
-        return tuple(members) if good else None
+        return tuple(members) if ok else None
 
     def _member_sizes(
         self,
@@ -330,16 +328,14 @@ class Types:
             unsized_string="string" in given and not given["string"].arguments,
         )
 
-    def _enum(
-        self, written: tree.EnumSpecifier, place: Place, name: str
-    ) -> CType | None:
-        bits = int(written.keyword.removeprefix("enum") or 0) or None
-        if written.enumerators is None:
-            assert written.tag is not None
-            return CEnumType(_referred(written.tag, place.scope), bits)
+    def _enum(self, node: tree.EnumSpecifier, place: Place, name: str) -> CType | None:
+        bits = int(node.keyword.removeprefix("enum") or 0) or None
+        if node.enumerators is None:
+            assert node.tag is not None
+            return CEnumType(_referred(node.tag, place.scope), bits)
         members: list[tuple[str, int]] = []
         value = -1
-        for enumerator in written.enumerators:
+        for enumerator in node.enumerators:
             if enumerator.value is not None:
                 given = self.expressions.integer(enumerator.value, place)
                 if given is None:
@@ -348,14 +344,14 @@ class Types:
             else:
                 value += 1
             members.append((enumerator.name.text, value))
-        entity = _entity(Kind.ENUM, written, place, name)
-        if not self._declare_tag(place.scope, written.tag, entity):
+        entity = _entity(Kind.ENUM, node, place, name)
+        if not self._declare_tag(place.scope, node.tag, entity):
             return None
         entity.declaration = TecsEnum(
             name=entity.name,
             file=place.unit.source.name,
             span=entity.place,
-            doc=place.doc(written),
+            doc=place.doc(node),
             members=tuple(members),
             bits=bits,
         )
@@ -410,10 +406,10 @@ class Types:
         return CArrayType(element, size)
 
     def _function(
-        self, returns: CType, written: tree.Parameters, place: Place
+        self, returns: CType, node: tree.Parameters, place: Place
     ) -> CType | None:
         parameters = []
-        for item in written.items:
+        for item in node.items:
             base = self.of(item.type, place)
             type_ = self.declared(base, item.declarator, place)
             if type_ is None:
