@@ -6,6 +6,7 @@ port name) that contains the provider under its instance name.
 
 from __future__ import annotations
 
+import threading
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager, suppress
 from itertools import islice
@@ -28,6 +29,8 @@ PORT = 2809
 _AT_ONCE = 100
 MAX_NAMES = 4096
 """Maximum number of names listed; contexts can contain each other."""
+_MAX_DEPTH = 64
+"""Maximum number of contexts within each other whose names are listed."""
 _HOST = "host_cxt"
 """Kind of the contexts in which OpenRTM binds the components of a host."""
 
@@ -87,7 +90,12 @@ class Naming:
         Raises ServedElsewhereError if the bound provider still responds.
         """
         with self._asking("bind"):
-            context = self._context(port)
+            bound = _resolved(self._root, *port)
+            if not is_alive(bound):
+                with suppress(_Context.NotFound):
+                    self._root.unbind(_path(*port))
+                bound = None
+            context = self._entered(bound)
             if context is None:
                 context = self._root.bind_new_context(_path(*port))
             self._check_free(context, (name,), f"{'.'.join(port)}:{name}")
@@ -96,7 +104,7 @@ class Naming:
     def unbind(self, port: tuple[str, str], name: str, reference: Any) -> None:
         """Unbind a provider, unless the name has been bound to another one since."""
         with self._asking("unbind"):
-            context = self._context(port)
+            context = self._entered(_resolved(self._root, *port))
             bound = None if context is None else _resolved(context, name)
             if bound is None or not bound._is_equivalent(reference):
                 return
@@ -136,41 +144,66 @@ class Naming:
         """
         with self._asking("ask"):
             found = _resolved(self._root, name, kind)
-            hosts = [] if found is not None else self._contexts(_HOST)
-            for host in hosts:
-                found = found or _resolved(host, name, kind)
+            hosts = [] if found is not None else _names(self._root)
+            for id_, host, _ in hosts:
+                if found is None and host == _HOST:
+                    context = self._entered(_resolved(self._root, id_, host))
+                    with _passing_over_faults():
+                        found = context and _resolved(context, name, kind)
             return found
 
     def at(self, path: Sequence[tuple[str, str]]) -> Any:
         """Return the object of a path of ids and kinds; None if there is none."""
-        with self._asking("ask"), suppress(_Context.NotFound):
-            return self._root.resolve([p for pair in path for p in _path(*pair)])
+        first, *rest = path
+        with self._asking("ask"):
+            found = _resolved(self._root, *first)
+            for each in rest:
+                context = self._entered(found)
+                found = None
+                with _passing_over_faults():
+                    found = context and _resolved(context, *each)
+            return found
 
     def tree(self, most: int = MAX_NAMES) -> list[Bound]:
         """Return up to `most` names in order, each after the context that contains it."""
         with self._asking("ask"):
-            return [*islice(_below(self._root, _names(self._root), (), []), most)]
+            names = _names(self._root)
+            return [*islice(self._below(self._root, names, (), []), most)]
 
-    def _contexts(self, kind: str) -> list[Any]:
-        """Return the contexts of a kind in the root."""
-        names = [binding.binding_name[0] for binding in _listed(self._root)]
-        found = [_resolved(self._root, n.id, n.kind) for n in names if n.kind == kind]
-        contexts = [None if f is None else self._narrowed(f) for f in found]
-        return [context for context in contexts if context is not None]
+    def _below(
+        self,
+        context: Any,
+        names: _Names,
+        path: tuple[tuple[str, str], ...],
+        around: list[Any],
+    ) -> Iterator[Bound]:
+        """Yield the bindings of a context; `around` are the contexts that contain it."""
+        inside = [*around, context]
+        for id_, kind, is_context in names:
+            here = (*path, (id_, kind))
+            found = _resolved(context, id_, kind)
+            yield Bound(here, None if is_context else found)
+            is_entered = is_context and len(inside) < _MAX_DEPTH
+            within = self._entered(found) if is_entered else None
+            if within is None or any(within._is_equivalent(each) for each in inside):
+                continue
+            with _passing_over_faults():
+                yield from self._below(within, _names(within), here, inside)
 
     def providers(self, port: tuple[str, str]) -> dict[str, Any]:
         """Return the bound providers of a port by name."""
         with self._asking("ask"):
-            context = self._context(port)
-            if context is None:
-                return {}
-            names = [binding.binding_name[0].id for binding in _listed(context)]
-            found = {name: _resolved(context, name) for name in names}
+            context = self._entered(_resolved(self._root, *port))
+            found = {}
+            with _passing_over_faults():
+                names = [] if context is None else _names(context)
+                found = {name: _resolved(context, name) for name, _, _ in names}
             return {name: r for name, r in found.items() if r is not None}
 
-    def _context(self, port: tuple[str, str]) -> Any:
-        found = _resolved(self._root, *port)
-        return None if found is None else self._narrowed(found)
+    def _entered(self, reference: Any) -> Any:
+        """Return the context of an entry; None without, or if it leads nowhere."""
+        with _passing_over_faults():
+            return None if reference is None else self._narrowed(reference)
 
     @contextmanager
     def _asking(self, what: str) -> Iterator[None]:
@@ -187,12 +220,25 @@ class Naming:
 def _raise_interrupt(error: Exception) -> None:
     """Raise KeyboardInterrupt if that was the reason for an error of omniORBpy.
 
-    A signal handler that raises during a call ends it with this error. Naming services do not run
-    Python code, so no other exception of Python is behind it.
+    A signal handler that raises during a call ends it with this error; it runs in the main thread.
+    Elsewhere, the error is that of an object which is implemented in Python.
     """
     reason = getattr(error, "minor", None)
-    if isinstance(error, CORBA.UNKNOWN) and reason == omniORB.UNKNOWN_PythonException:
+    if (
+        isinstance(error, CORBA.UNKNOWN)
+        and reason == omniORB.UNKNOWN_PythonException
+        and threading.current_thread() is threading.main_thread()
+    ):
         raise KeyboardInterrupt from error
+
+
+@contextmanager
+def _passing_over_faults() -> Iterator[None]:
+    """End the block at an entry whose object is gone, silent or faulty: others are good."""
+    try:
+        yield
+    except CORBA.Exception as error:
+        _raise_interrupt(error)
 
 
 def _path(id_: str, kind: str = "") -> list[Any]:
@@ -208,17 +254,19 @@ def _resolved(context: Any, id_: str, kind: str = "") -> Any:
 
 def _listed(context: Any) -> list[Any]:
     """Return up to MAX_NAMES bindings of a context."""
-    found, more = context.list(_AT_ONCE)
+    next_ones, more = context.list(_AT_ONCE)
+    found = list(next_ones)
     if more is None:
-        return list(found)
+        return found[:MAX_NAMES]
     try:
         remain = True
         while remain and len(found) < MAX_NAMES:
             remain, next_ones = more.next_n(_AT_ONCE)
+            remain = remain and bool(next_ones)
             found += next_ones
     finally:
         more.destroy()
-    return list(found)
+    return found[:MAX_NAMES]
 
 
 _Names = list[tuple[str, str, bool]]
@@ -226,35 +274,11 @@ _Names = list[tuple[str, str, bool]]
 
 
 def _names(context: Any) -> _Names:
-    found = [(each.binding_name[0], each.binding_type) for each in _listed(context)]
-    return sorted((n.id, n.kind, type_ is CosNaming.ncontext) for n, type_ in found)
-
-
-def _below(
-    context: Any, names: _Names, path: tuple[tuple[str, str], ...], around: list[Any]
-) -> Iterator[Bound]:
-    """Yield the bindings of a context; `around` are the contexts that contain it."""
-    for id_, kind, is_context in names:
-        here = (*path, (id_, kind))
-        found = _resolved(context, id_, kind)
-        yield Bound(here, None if is_context else found)
-        inside = [*around, context]
-        entered = _entered(found, inside) if is_context else None
-        if entered is not None:
-            yield from _below(*entered, here, inside)
-
-
-def _entered(found: Any, around: list[Any]) -> tuple[Any, _Names] | None:
-    """Return a context and its names; None if it contains itself, or does not respond."""
-    try:
-        context = None if found is None else found._narrow(_Context)
-        if context is None or any(context._is_equivalent(each) for each in around):
-            return None
-        return context, _names(context)
-    except CORBA.SystemException as error:
-        if not is_silent(error):
-            raise
-        return None
+    return sorted(
+        (name.id, name.kind, each.binding_type is CosNaming.ncontext)
+        for each in _listed(context)
+        for name in each.binding_name[:1]
+    )
 
 
 def _name_text(name: tuple[str, str]) -> str:
