@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 import shutil
 import sqlite3
+import struct
 from contextlib import closing
 from pathlib import Path
 from typing import Any
@@ -217,6 +218,12 @@ HOSTILE_TABLES = {
     "columns": "CREATE TABLE messages(a)",
     "none": "CREATE TABLE other(a)",
     "virtual": "CREATE VIRTUAL TABLE messages USING fts5(topic_id, timestamp, data)",
+    "computed": (
+        "CREATE TABLE messages(topic_id, timestamp, data GENERATED ALWAYS AS (zeroblob(9)))"
+    ),
+    "computed once": (
+        "CREATE TABLE messages(topic_id, data, timestamp AS (instr(data, data)) STORED)"
+    ),
 }
 
 
@@ -244,6 +251,63 @@ def test_hostile_tables(kind: str, tmp_path: Path) -> None:
         return
     with pytest.raises(RecordingError, match="no tables of messages and topics"):
         Log(bag)
+
+
+LEVELS, CHILDREN = 6, 100
+"""Pages that lead to each other, and how often each leads to the next one."""
+
+
+def let_pages_repeat(file: Path, table: str) -> None:
+    """Let each page above those of a table lead to the same one again and again."""
+    with closing(sqlite3.connect(file)) as database:
+        (size,) = database.execute("PRAGMA page_size").fetchone()
+        (root,) = database.execute(
+            "SELECT rootpage FROM sqlite_master WHERE name = ?", [table]
+        ).fetchone()
+    octets = file.read_bytes()
+    pages = [octets[at : at + size] for at in range(0, len(octets), size)]
+    pages.append(pages[root - 1])
+    for level in range(LEVELS):
+        child = struct.pack(">I", len(pages))
+        cell = child + b"\1"
+        at = size - len(cell)
+        head = struct.pack(">BHHHB", 5, 0, CHILDREN, at, 0) + child
+        page = head + struct.pack(">H", at) * CHILDREN
+        page += bytes(at - len(page)) + cell
+        if level < LEVELS - 1:
+            pages.append(page)
+        else:
+            pages[root - 1] = page
+    pages[0] = pages[0][:28] + struct.pack(">I", len(pages)) + pages[0][32:]
+    file.write_bytes(b"".join(pages))
+
+
+@pytest.mark.parametrize("table", ["messages", "topics"])
+def test_pages_that_repeat_are_read_a_number_of_times(
+    table: str, tmp_path: Path
+) -> None:
+    bag = write(tmp_path / "bag", "sqlite3", [1])
+    let_pages_repeat(file_of(bag), table)
+    assert file_of(bag).stat().st_size < 1 << 17
+    recording = open_recording(file_of(bag))
+    assert recording is not None
+    assert recording.earliest is not None
+    if table == "topics":
+        with pytest.raises(RecordingError, match="rows"):
+            next(recording.messages())
+
+
+def test_names_of_topics_are_read_up_to_a_size(tmp_path: Path) -> None:
+    bag = write(tmp_path / "bag", "sqlite3")
+    with closing(sqlite3.connect(file_of(bag))) as database:
+        database.execute("DROP TABLE topics")
+        database.execute("CREATE TABLE topics(id, name, type, serialization_format)")
+        row = "INSERT INTO topics VALUES (?, CAST(zeroblob(?) AS TEXT), 'a', 'cdr')"
+        for number in range(2):
+            database.execute(row, [number, 40 << 20])
+        database.commit()
+    with pytest.raises(RecordingError, match="topics and schemas have over"):
+        [*Log(bag).events()]
 
 
 @pytest.mark.parametrize(

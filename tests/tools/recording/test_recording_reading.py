@@ -317,6 +317,45 @@ def test_chunks_whose_size_is_a_lie_are_damaged(tmp_path: Path) -> None:
 
 
 @pytest.mark.sampled(0)
+def text(octets: bytes) -> bytes:
+    """Return octets after their size."""
+    return struct.pack("<I", len(octets)) + octets
+
+
+def framed(opcode: int, head: bytes, *texts: bytes) -> bytes:
+    """Return a record."""
+    body = head + b"".join(map(text, texts))
+    return struct.pack("<BQ", opcode, len(body)) + body
+
+
+LONG = bytes(5 * MEGABYTE)
+DESCRIPTIONS = {
+    "schemas": lambda id_: framed(3, struct.pack("<H", id_), b"A", b"", LONG),
+    "topics": lambda id_: framed(4, struct.pack("<HH", id_, 0), LONG, b"", b""),
+    "metadata": lambda id_: framed(
+        *(4, struct.pack("<HH", id_, 0), b"/a", b"", text(b"") + text(LONG))
+    ),
+}
+
+
+@pytest.mark.parametrize("what", DESCRIPTIONS)
+def test_topics_and_schemas_stay_in_memory_up_to_a_size(
+    what: str, tmp_path: Path
+) -> None:
+    path = tmp_path / "a.mcap"
+    chunks = [packed(DESCRIPTIONS[what](number)) for number in range(1, 41)]
+    path.write_bytes(MAGIC + b"".join(chunks) + MAGIC)
+    assert path.stat().st_size < 1 << 17
+    with pytest.raises(RecordingError, match="topics and schemas have over"):
+        messages(path)
+
+
+def test_a_schema_may_be_in_each_chunk(tmp_path: Path) -> None:
+    path = tmp_path / "a.mcap"
+    path.write_bytes(MAGIC + packed(DESCRIPTIONS["schemas"](1)) * 40 + MAGIC)
+    assert messages(path) == []
+
+
 def test_a_recording_that_compresses_well_is_read(tmp_path: Path) -> None:
     """Images that are black for a minute, with the numbers and times of messages."""
     path = tmp_path / "a.mcap"

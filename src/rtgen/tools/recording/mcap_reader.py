@@ -39,6 +39,8 @@ _NO_OPCODE = 0
 """The opcode that is none: space that a writer has reserved, and never used."""
 _FREE_OCTETS, _OCTETS_PER_OCTET = 1 << 29, 1_000
 """Uncompressed octets of a file: any number up to the first, then so many for each of its own."""
+_MAX_DESCRIPTIONS = 1 << 26
+"""Maximum size of all topics and schemas of a file in octets; they stay in memory."""
 _FREE_RECORDS, _OCTETS_PER_RECORD = 500_000, 4
 """Records of a file: any number up to the first, then one for so many octets of its own.
 
@@ -148,12 +150,21 @@ class McapFile:
         channels: dict[int, Channel] = {}
         self.damaged = 0
         with self._opened() as stream:
-            for record in self._unpacked(stream):
+            work = Work(self.path, os.fstat(stream.fileno()).st_size)
+            for record in self._unpacked(stream, work):
                 match record:
                     case SchemaRecord():
-                        schemas[record.id] = record
+                        if schemas.get(record.id) != record:
+                            work.take_description(record.name, record.data)
+                            schemas[record.id] = record
                     case ChannelRecord():
                         if record.id not in channels:
+                            words = [
+                                part
+                                for pair in record.metadata.items()
+                                for part in pair
+                            ]
+                            work.take_description(record.topic, *words)
                             schema = schemas.get(record.schema_id)
                             channels[record.id] = _channel(record, schema)
                     case MessageRecord():
@@ -165,14 +176,13 @@ class McapFile:
                             )
                         yield Message(channel, record.log_time, record.data)
 
-    def _unpacked(self, stream: BinaryIO) -> Iterator[McapRecord]:
+    def _unpacked(self, stream: BinaryIO, work: Work) -> Iterator[McapRecord]:
         """Yield the records; complete chunks are replaced by their records.
 
         Raises RecordingError for chunks that decompress to more than a recording has.
         """
         from mcap.records import Chunk
 
-        work = Work(self.path, os.fstat(stream.fileno()).st_size)
         for record in _records(stream):
             if not isinstance(record, Chunk):
                 yield record
@@ -206,6 +216,7 @@ class Work:
         self._path = path
         self._octets = _FREE_OCTETS + size * _OCTETS_PER_OCTET
         self._records = _FREE_RECORDS + size // _OCTETS_PER_RECORD
+        self._descriptions = _MAX_DESCRIPTIONS
 
     def take_octets(self, number: int) -> None:
         """Count the octets of a chunk. Raises RecordingError, ValueError for one too large."""
@@ -220,6 +231,15 @@ class Work:
         self._records -= 1
         if self._records < 0:
             raise self._error()
+
+    def take_description(self, *parts: object) -> None:
+        """Count the texts of a topic or schema. Raises RecordingError."""
+        texts = (part for part in parts if isinstance(part, str | bytes))
+        self._descriptions -= sum(map(len, texts))
+        if self._descriptions < 0:
+            raise RecordingError(
+                f"{self._path}: its topics and schemas have over {_MAX_DESCRIPTIONS} octets"
+            )
 
     def _error(self) -> RecordingError:
         return RecordingError(

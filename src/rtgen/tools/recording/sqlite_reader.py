@@ -1,7 +1,8 @@
 """Reads files of sqlite3 as rosbag2 writes them (`.db3`, the default of ROS 2 up to Humble).
 
 A file is data from outside: it is opened for reading, only plain tables are read, and their content
-is limited by the size of the file, as that of compressed MCAP files is.
+is limited by the size of the file, as that of compressed MCAP files is: its pages can lead to one
+another in any way, so that each has any number of rows.
 """
 
 from __future__ import annotations
@@ -28,8 +29,15 @@ _TABLES: Final = ("topics", "messages")
 _DEFINITIONS: Final = "message_definitions"
 _HEAD: Final = 100
 _CUT: Final = "the file is shorter than it says"
+_TOO_MANY: Final = "its pages lead to more rows than a file of its size has"
 _PART: Final = 1 << 20
 _MAX_TOPICS: Final = 100_000
+_STEP: Final = 1_000
+"""Instructions of sqlite3's machine in a step."""
+_FREE_STEPS, _OCTETS_PER_STEP = 5_000, 200
+"""Steps of a file: any number up to the first, then one for so many octets of its own."""
+_GENERATED: Final = (2, 3)
+"""Columns that are computed, in `PRAGMA table_xinfo`."""
 _METADATA: Final = {
     "offered_qos_profiles": "offered_qos_profiles",
     "type_description_hash": "topic_type_hash",
@@ -113,7 +121,7 @@ class SqliteFile:
         self.damaged, self._damage = 0, _CUT if self._is_cut else ""
         work = Work(self.path, self._size)
         with closing(self._opened()) as connection:
-            channels = self._channels(connection)
+            channels = self._channels(connection, work)
             try:
                 rows = connection.execute(
                     "SELECT topic_id, timestamp, data FROM messages NOT INDEXED"
@@ -129,7 +137,7 @@ class SqliteFile:
                     work.take_octets(len(data))
                     yield Message(channel, time, data)
             except (sqlite3.Error, ValueError) as error:
-                self._damage = str(error)
+                self._damage = _reason(error)
 
     def _opened(self) -> sqlite3.Connection:
         """Return a connection to a file that has the tables. Raises RecordingError."""
@@ -148,6 +156,8 @@ class SqliteFile:
             connection = sqlite3.connect(uri, uri=True, check_same_thread=False)
             connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_SIZE)
             connection.text_factory = _text
+            steps = iter(range(_FREE_STEPS + self._size // _OCTETS_PER_STEP))
+            connection.set_progress_handler(lambda: next(steps, None) is None, _STEP)
             connection.execute("PRAGMA trusted_schema=OFF")
             # A file that was cut off is refused without it; nothing is written.
             connection.execute("PRAGMA writable_schema=ON")
@@ -155,7 +165,7 @@ class SqliteFile:
         except (sqlite3.Error, ValueError) as error:
             if connection is not None:
                 connection.close()
-            raise RecordingError(f"{self.path}: {error}") from error
+            raise RecordingError(f"{self.path}: {_reason(error)}") from error
         if not tables.issuperset(_TABLES):
             connection.close()
             raise RecordingError(
@@ -164,29 +174,32 @@ class SqliteFile:
         return connection
 
     def _tables(self, connection: sqlite3.Connection) -> set[str]:
-        """Return the names of the plain tables among those of rosbag2."""
+        """Return the names of the plain tables among those of rosbag2: none computes values."""
         found = connection.execute(
             "SELECT name, sql FROM sqlite_master WHERE type = 'table' AND name IN (?, ?, ?)",
             (*_TABLES, _DEFINITIONS),
         )
-        return {
+        names = {
             name
             for name, text in found
             if " ".join(str(text).split()).upper().startswith("CREATE TABLE ")
         }
+        return {name for name in names if not _computes(connection, name)}
 
-    def _channels(self, connection: sqlite3.Connection) -> dict[int, Channel]:
+    def _channels(
+        self, connection: sqlite3.Connection, work: Work
+    ) -> dict[int, Channel]:
         """Return the channels by number. Raises RecordingError."""
         import sqlite3
 
         try:
             definitions = {}
             if _DEFINITIONS in self._tables(connection):
-                for row in self._rows(connection, _DEFINITIONS):
+                for row in self._rows(connection, _DEFINITIONS, work):
                     text = _of(row, "encoded_message_definition")
                     definitions[_of(row, "topic_type")] = text, _of(row, "encoding")
             channels: dict[int, Channel] = {}
-            for row in self._rows(connection, "topics"):
+            for row in self._rows(connection, "topics", work):
                 number = row.get("id")
                 if not _is_number(number):
                     continue
@@ -202,11 +215,11 @@ class SqliteFile:
                     number, _of(row, "name"), form, schema, metadata
                 )
         except (sqlite3.Error, ValueError) as error:
-            raise RecordingError(f"{self.path}: {error}") from error
+            raise RecordingError(f"{self.path}: {_reason(error)}") from error
         return channels
 
     def _rows(
-        self, connection: sqlite3.Connection, table: str
+        self, connection: sqlite3.Connection, table: str, work: Work
     ) -> Iterator[dict[str, Any]]:
         found = connection.execute(f"SELECT * FROM {table}")
         names = [column[0] for column in found.description]
@@ -215,6 +228,7 @@ class SqliteFile:
                 raise RecordingError(
                     f"{self.path}: the table {table} has over {_MAX_TOPICS} rows"
                 )
+            work.take_description(*row)
             yield dict(zip(names, row, strict=True))
 
 
@@ -231,6 +245,18 @@ def _whole_pages(head: bytes, size: int) -> int | None:
     if not page or size >= number * page or size % page == 0:
         return None
     return size - size % page
+
+
+def _computes(connection: sqlite3.Connection, table: str) -> bool:
+    """Return whether a table has columns that are computed when they are read."""
+    columns = connection.execute(f"PRAGMA table_xinfo({table})")
+    return any(kind in _GENERATED for *_, kind in columns)
+
+
+def _reason(error: Exception) -> str:
+    """Return what sqlite3 says, or that it was stopped."""
+    text = str(error)
+    return _TOO_MANY if text == "interrupted" else text
 
 
 def _of(row: dict[str, Any], column: str) -> str:
