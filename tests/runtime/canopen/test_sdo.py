@@ -399,6 +399,33 @@ def test_blocks_of_which_nothing_arrives() -> None:
     assert reply == [answer("8000200003000405")]
 
 
+NOTHING = [
+    ("40", ["0e", "1e"], "13000706"),
+    ("c0", ["02"], "03000405"),
+    ("c0", ["82"], "03000405"),
+    ("c0", ["7f"], "03000405"),
+    ("c0", ["03", "85", "7f"], "03000405"),
+]
+"""The first message of a transfer, those that are repeated without end, and the abort code."""
+
+
+@pytest.mark.parametrize(("first", "repeated", "code"), NOTHING)
+def test_a_peer_that_sends_messages_without_effect_is_given_up(
+    first: str, repeated: list[str], code: str
+) -> None:
+    abort = f"80002000{code}"
+    client = SdoClient(5)
+    client.upload(0x2000, 0, 0, block=first == "c0")
+    client.receive(answer(f"{first}00200000000000"), 0)
+    server = SdoServer(5, Values())
+    begun = "20" if first == "40" else first
+    server.receive(request(f"{begun}00200000000000"), 0)
+    for receive, frame in ((client.receive, answer), (server.receive, request)):
+        sent = [frame(f"{each}{'00' * 7}") for each in repeated]
+        answers = (receive(sent[n % len(sent)], 0) for n in range(5 * sdo.MAX_BLOCK))
+        assert any(texts(frames) == [abort] for frames in answers)
+
+
 def test_blocks_are_bounded() -> None:
     server = SdoServer(5, Values(), max_size=8)
     server.receive(request("c400200000000000"), 0)

@@ -19,6 +19,8 @@ SEGMENT: Final = 7
 """Octets in a segment."""
 MAX_BLOCK: Final = 127
 """Maximum number of segments in a block."""
+_ATTEMPTS: Final = 5
+"""Maximum number of consecutive blocks, or segments outside of blocks, that transfer nothing."""
 
 ABORT: Final = 0x80
 DOWNLOAD_SEGMENT: Final = 0x00
@@ -227,6 +229,7 @@ class Collector:
         self._limit = limit
         self._size = size
         self._value = bytearray()
+        self._fruitless = 0
         self.toggle = 0
 
     def take(self, data: bytes) -> bool:
@@ -234,8 +237,13 @@ class Collector:
         if data[0] & TOGGLE != self.toggle:
             raise SdoAbort(TOGGLE_ERROR)
         self.toggle ^= TOGGLE
-        self.add(data[1 : FRAME - (data[0] >> 1 & 7)])
-        return bool(data[0] & LAST)
+        part = data[1 : FRAME - (data[0] >> 1 & 7)]
+        self.add(part)
+        is_last = bool(data[0] & LAST)
+        self._fruitless = 0 if part or is_last else self._fruitless + 1
+        if self._fruitless == _ATTEMPTS:
+            raise SdoAbort(LENGTH_TOO_LOW)
+        return is_last
 
     def add(self, part: bytes) -> None:
         """Append octets. Raises SdoAbort if there are too many."""
@@ -254,9 +262,6 @@ class Collector:
 
 class BlockSender:
     """Sends a value in blocks (CiA 301, 7.2.4.3.10 and .14), repeating lost segments."""
-
-    _ATTEMPTS: Final = 5
-    """Maximum number of consecutive blocks without any acknowledged segment."""
 
     def __init__(self, value: bytes) -> None:
         self._value = value
@@ -289,7 +294,7 @@ class BlockSender:
     def acknowledge(self, sequence: int) -> None:
         """Process the acknowledgement of the segments up to `sequence`. Raises SdoAbort."""
         self._fruitless = 0 if sequence else self._fruitless + 1
-        if sequence > self._sent or self._fruitless == self._ATTEMPTS:
+        if sequence > self._sent or self._fruitless == _ATTEMPTS:
             raise SdoAbort(SEQUENCE_INVALID)
         self._at += sequence * SEGMENT
 
@@ -315,6 +320,7 @@ class BlockReceiver:
         self._limit = limit if announced is None else announced
         self._value = bytearray()
         self._sequence = 0
+        self._fruitless = 0
         self.complete = False
         """Whether the last segment has arrived."""
 
@@ -332,12 +338,16 @@ class BlockReceiver:
         last = bool(data[0] & LAST_IN_BLOCK)
         if not 1 <= sequence <= self.size:
             raise SdoAbort(SEQUENCE_INVALID)
+        self._fruitless += 1
         if sequence == self._sequence + 1:
+            self._fruitless = 0
             self._sequence = sequence
             self._value += data[1:FRAME]
             self.complete = last
             if len(self._value) - SEGMENT > self._limit:
                 raise SdoAbort(OUT_OF_MEMORY)
+        if self._fruitless == _ATTEMPTS * self.size:
+            raise SdoAbort(SEQUENCE_INVALID)
         if not last and sequence < self.size:
             return None
         got, self._sequence = self._sequence, 0
