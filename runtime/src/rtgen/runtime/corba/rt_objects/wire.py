@@ -385,7 +385,13 @@ def texts(properties: Iterable[NameValue]) -> dict[str, str]:
 
 def text_of(value: Any) -> str | None:
     """Return the text of an `any`; None for a value of another kind."""
-    plain = anys.from_any(value, keep_structs=True)
-    if isinstance(plain, bool):
+    # `from_any` of omniORBpy calls itself for each `any` within another one.
+    type_, plain = value.typecode(), value.value()
+    while type_.kind() in (CORBA.tk_any, CORBA.tk_alias):
+        if type_.kind() == CORBA.tk_any:
+            type_, plain = plain.typecode(), plain.value()
+        else:
+            type_ = type_.content_type()
+    if type_.kind() == CORBA.tk_boolean:
         return "true" if plain else "false"
     return str(plain) if isinstance(plain, str | int | float) else None
