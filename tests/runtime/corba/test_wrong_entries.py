@@ -25,6 +25,8 @@ from rtgen.runtime.corba.naming import Naming
 from rtgen.runtime.corba.orb import LOOPBACK, Orb
 from rtgen.runtime.errors import TransportError
 
+pytestmark = pytest.mark.waits
+
 HOST = ("gone", "host_cxt")
 PORT = ("Counter0", "adding")
 DEPTH = 1100
