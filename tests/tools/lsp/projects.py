@@ -6,7 +6,7 @@ TYPES = """\
 module Shapes {
   /// A point of the floor.
   struct Point {
-    @unit("m") double x;  ///< To the front.
+    @unit("m") @max(9.0) double x;  ///< To the front.
     @unit("m") double y;
     octet quality;
     sequence<long> tags;

@@ -61,7 +61,11 @@ def hovered(editor: Editor, view: View, place: str) -> str:
                 "A point of the floor.",
             ],
         ),
-        ("types_idl", "double x^;", ["offset 0, 8 octets", "unit: m", "To the front."]),
+        (
+            "types_idl",
+            "double x^;",
+            ["offset 0, 8 octets", "most: 9.0", "unit: m", "To the front."],
+        ),
         (
             "types_idl",
             "Point> Poi^nts",

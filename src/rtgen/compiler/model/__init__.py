@@ -40,6 +40,7 @@ from rtgen.compiler.model.declarations import (
     Home,
     InitialValue,
     Interface,
+    Limits,
     Member,
     Native,
     Operation,
@@ -50,6 +51,7 @@ from rtgen.compiler.model.declarations import (
     Union,
     ValueBox,
     Valuetype,
+    limits,
 )
 from rtgen.compiler.model.types import (
     VOID,
@@ -102,6 +104,7 @@ __all__ = [
     "Home",
     "InitialValue",
     "Interface",
+    "Limits",
     "MapType",
     "Member",
     "Model",
@@ -129,6 +132,7 @@ __all__ = [
     "ValueBox",
     "Valuetype",
     "default_id",
+    "limits",
 ]
 
 

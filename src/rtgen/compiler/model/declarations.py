@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Iterable
 from decimal import Decimal
 from enum import StrEnum
 from typing import TypeAlias
@@ -40,6 +41,28 @@ class Annotation(msgspec.Struct, frozen=True):
     def get(self, key: str = "value") -> ConstantValue | None:
         """Return the argument of that name, or None."""
         return dict(self.arguments).get(key)
+
+
+Limits: TypeAlias = tuple[ConstantValue | None, ConstantValue | None]
+"""The minimum and the maximum of a value, None for none."""
+
+
+def limits(annotations: Iterable[Annotation]) -> Limits:
+    """Return the limits that `@min`, `@max` and `@range` state; the first of each end counts."""
+    annotations = tuple(annotations)
+    low, high = (
+        next(
+            (
+                value
+                for each in annotations
+                if (key := {end: "value", "range": end}.get(each.name)) is not None
+                and (value := each.get(key)) is not None
+            ),
+            None,
+        )
+        for end in ("min", "max")
+    )
+    return low, high
 
 
 class Documented(msgspec.Struct, frozen=True, kw_only=True):

@@ -10,13 +10,11 @@ from rtgen.compiler.model import (
     ArrayType,
     Documented,
     Model,
-    Operation,
     PrimitiveType,
     SequenceType,
     Struct,
     Type,
 )
-from rtgen.facts.comments import split_sentence
 from rtgen.facts.primitives import FLOAT_LIMITS, INTEGER_RANGES
 
 _BRACKETS: Final = re.compile(r"\[((?:[^,\[\]]|\[[^,\[\]]*\])+)\]")
@@ -37,7 +35,8 @@ class Leaf(NamedTuple):
 def annotated_unit(entry: Documented) -> str | None:
     """Return the unit that `@unit` states for a member or parameter."""
     annotation = entry.annotation("unit")
-    return None if annotation is None else str(dict(annotation.arguments)["value"])
+    unit = None if annotation is None else annotation.get()
+    return None if unit is None else str(unit)
 
 
 def unit_of(entry: Documented) -> str | None:
@@ -56,36 +55,6 @@ def unit_in(comment: str) -> str | None:
             if m
         ]
     return units[0] if len(units) == 1 else None
-
-
-def member_text(entry: Documented) -> str:
-    """Return the comment of a member, with the unit of `@unit`."""
-    unit = annotated_unit(entry)
-    if unit is None or unit == unit_in(entry.doc):
-        return entry.doc
-    text = with_unit(entry.doc, unit)
-    return text if unit_in(text) == unit else f"{entry.doc.strip()}\n[{unit}]"
-
-
-def with_unit(doc: str, unit: str) -> str:
-    """Return a comment with the unit in its first sentence, before the full stop."""
-    first, rest = split_sentence(doc)
-    if unit:
-        stop = "." if first.endswith(".") else ""
-        first = f"{first.removesuffix('.')} [{unit}]{stop}".strip()
-    return first + rest
-
-
-def operation_text(operation: Operation) -> str:
-    """Return the comment of an operation, and a line for each parameter with a comment or unit."""
-    described = [
-        f"{p.name}: {text}"
-        for p in operation.parameters
-        if (p.doc or p.annotations)
-        and (text := " ".join(with_unit(p.doc, annotated_unit(p) or "").split()))
-    ]
-    parts = (operation.doc.strip(), "\n".join(described))
-    return "\n\n".join(filter(None, parts)) if described else operation.doc
 
 
 def leaves(

@@ -16,6 +16,7 @@ from rtgen.compiler.model import (
     Type,
 )
 from rtgen.compiler.model.initial import default_of
+from rtgen.compiler.typemap.member_units import annotated_unit, unit_in
 from rtgen.ros2.backend.fields import (
     Form,
     InexpressibleError,
@@ -160,10 +161,10 @@ def _constant_name(name: str) -> str:
 def _comments(declared: Member | Const) -> tuple[list[str], str]:
     """Return the comment above a line, and the one behind it, which has the unit."""
     lines = [line for line in declared.doc.splitlines() if line.strip()]
-    unit = declared.annotation("unit")
+    unit = annotated_unit(declared)
     beside = ""
-    if unit is not None and "[" not in declared.doc:
-        beside = f"[{dict(unit.arguments)['value']}]"
+    if unit is not None and unit != unit_in(declared.doc):
+        beside = f"[{unit}]"
     if len(lines) == 1:
         beside = f"{' '.join(lines[0].split())} {beside}".strip()
         lines = []

@@ -25,7 +25,7 @@ from rtgen.compiler.model import (
 from rtgen.tools.diff.changes import Change, Kind, User, Wire, change, in_wire_order
 from rtgen.tools.diff.enums import compare_bitmasks, compare_bitsets, compare_enums
 from rtgen.tools.diff.kinds import types as kinds
-from rtgen.tools.diff.member_facts import defaults, other_annotations, value_text
+from rtgen.tools.diff.member_facts import value_facts, value_text
 from rtgen.tools.diff.structs import (
     Compared,
     Found,
@@ -176,11 +176,8 @@ class _Declarations:
                 shown = "::".join(new.base) if new.base else "none"
                 text = f"{new.scoped} has the base {shown}"
                 self._add(kinds.BASE, new.scoped, text, old, new)
-        for kind, text in other_annotations(old, new, new.scoped):
+        for kind, text in value_facts(old, new, new.scoped):
             self._add(kind, new.scoped, text, old, new)
-        if isinstance(new, Typedef | Enum):
-            for kind, text in defaults(old, new, new.scoped):
-                self._add(kind, new.scoped, text, old, new)
 
     def _other(
         self, old: Declaration, new: Declaration, types: TypeExpressions

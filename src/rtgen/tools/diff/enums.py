@@ -15,7 +15,7 @@ from rtgen.compiler.model import (
 )
 from rtgen.tools.diff.changes import Kind, Wire
 from rtgen.tools.diff.kinds import types as kinds
-from rtgen.tools.diff.member_facts import defaults
+from rtgen.tools.diff.member_facts import value_facts
 from rtgen.tools.diff.structs import XCDR, Compared, Found
 from rtgen.tools.diff.type_expressions import ENCODINGS, NO_WIRES
 
@@ -106,7 +106,7 @@ def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Co
                 Found(
                     kind=kind, subject=name, message=text, old=was.span, new=field.span
                 )
-                for kind, text in defaults(was, field, f"field {name}")
+                for kind, text in value_facts(was, field, f"field {name}")
             )
     return result
 

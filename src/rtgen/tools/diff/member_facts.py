@@ -10,6 +10,8 @@ from rtgen.compiler.model import (
     Enum,
     EnumeratorName,
     InitialValue,
+    Limits,
+    limits,
 )
 from rtgen.tools.diff.changes import Kind
 from rtgen.tools.diff.kinds import types as kinds
@@ -38,19 +40,31 @@ def member_facts(
         was, now = (getattr(each, key, False) for each in (old, new))
         if was != now:
             yield kind, f"{name} is {'now' if now else 'no longer'} @{key}"
-    for kind, key in (
-        (kinds.TRY_CONSTRUCT, "try_construct"),
-        (kinds.MEMBER_UNIT, "unit"),
-    ):
-        before, after = argument(old, key), argument(new, key)
-        if before != after:
-            yield kind, f"{name} has {_said(key, after)}, had {_said(key, before)}"
-    yield from defaults(old, new, name)
+    yield from _argument(kinds.TRY_CONSTRUCT, "try_construct", old, new, name)
+    yield from value_facts(old, new, name)
+
+
+def value_facts(
+    old: Documented, new: Documented, name: str
+) -> Iterator[tuple[Kind, str]]:
+    """Yield the changes of what annotations say of the values of a member or a declaration."""
+    yield from _argument(kinds.MEMBER_UNIT, "unit", old, new, name)
+    yield from _defaults(old, new, name)
     yield from _range(old, new, name)
-    yield from other_annotations(old, new, name)
+    yield from _other_annotations(old, new, name)
 
 
-def defaults(old: Documented, new: Documented, name: str) -> Iterator[tuple[Kind, str]]:
+def _argument(
+    kind: Kind, key: str, old: Documented, new: Documented, name: str
+) -> Iterator[tuple[Kind, str]]:
+    before, after = argument(old, key), argument(new, key)
+    if before != after:
+        yield kind, f"{name} has {_said(key, after)}, had {_said(key, before)}"
+
+
+def _defaults(
+    old: Documented, new: Documented, name: str
+) -> Iterator[tuple[Kind, str]]:
     """Yield the change of the value with which a member, a typedef or an enum starts."""
     if isinstance(old, Enum) and isinstance(new, Enum):
         was, now = old.initial, new.initial
@@ -66,7 +80,7 @@ def defaults(old: Documented, new: Documented, name: str) -> Iterator[tuple[Kind
         yield kinds.MEMBER_DEFAULT, text
 
 
-def other_annotations(
+def _other_annotations(
     old: Documented, new: Documented, name: str
 ) -> Iterator[tuple[Kind, str]]:
     """Yield the changes of annotations that rtgen does not interpret."""
@@ -83,24 +97,11 @@ def other_annotations(
 
 
 def _range(old: Documented, new: Documented, name: str) -> Iterator[tuple[Kind, str]]:
-    before, after = limits(old), limits(new)
+    before, after = limits(old.annotations), limits(new.annotations)
     if before != after:
         narrowed = is_narrower(before, after)
         kind = kinds.MEMBER_RANGE_NARROWED if narrowed else kinds.MEMBER_RANGE_WIDENED
         yield kind, f"{name} ranges over {shown(after)}, did over {shown(before)}"
-
-
-Limits = tuple[ConstantValue | None, ConstantValue | None]
-
-
-def limits(item: Documented) -> Limits:
-    """Return minimum and maximum, None for none."""
-    within = item.annotation("range")
-    least, most = argument(item, "min"), argument(item, "max")
-    if within is not None:
-        least = within.get("min") if least is None else least
-        most = within.get("max") if most is None else most
-    return least, most
 
 
 def is_narrower(old: Limits, new: Limits) -> bool:

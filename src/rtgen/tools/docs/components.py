@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 
 from rtgen.compiler.backends.kit.idl_text.literals import default_text
+from rtgen.compiler.backends.kit.member_texts import limits_text
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code
 from rtgen.compiler.model import Component, ConfigurationParameter, Port, PortKind
 from rtgen.compiler.typemap.components.actions import ACTIONS
@@ -104,12 +105,7 @@ def _peers(content: Content, here: str, c: Component, port: Port) -> Markdown:
 def _parameter(
     content: Content, here: str, p: ConfigurationParameter
 ) -> tuple[object, ...]:
-    limits = [
-        f"{sign} {default_text(value)}"
-        for sign, value in (("at least", p.minimum), ("at most", p.maximum))
-        if value is not None
-    ]
-    bounds = ", ".join(limits) or p.constraint
+    bounds = limits_text((p.minimum, p.maximum)) or p.constraint
     default = "" if p.default is None else code(default_text(p.default))
     return (
         code(p.name),

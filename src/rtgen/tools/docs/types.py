@@ -5,6 +5,11 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtgen.compiler.backends.kit.idl_text.literals import default_text, readable
+from rtgen.compiler.backends.kit.member_texts import (
+    limits_text,
+    member_text,
+    operation_text,
+)
 from rtgen.compiler.backends.kit.quoting.markdown import Markdown, code, text
 from rtgen.compiler.inspection.facts import kind_of
 from rtgen.compiler.inspection.models import labels_of
@@ -30,9 +35,11 @@ from rtgen.compiler.model import (
     Union,
     ValueBox,
     Valuetype,
+    limits,
 )
 from rtgen.compiler.model.declarations import Documented
 from rtgen.compiler.model.initial import default_of
+from rtgen.compiler.typemap.member_units import annotated_unit
 from rtgen.tools.docs.pages import Content, Page, counted
 from rtgen.tools.docs.places import Kind
 
@@ -69,7 +76,7 @@ def pages(
 def _add(content: Content, page: Page, d: Declaration) -> None:
     anchor = content.places.url(Kind.TYPE, d.scoped, page.path).partition("#")[2]
     page.heading(2, f"{kind_of(d)} {d.name[-1]}", anchor)
-    page.description(d.doc)
+    page.description(member_text(d))
     facts = [("defined in", content.source(d.file, d.span))]
     if d.repository_id:
         facts.append(("repository id", code(d.repository_id)))
@@ -94,10 +101,15 @@ def _add(content: Content, page: Page, d: Declaration) -> None:
                 page.add(f"Values start with {code(d.initial.name)}.")
         case Bitset():
             rows = [
-                (code(m.name or ""), text(m.bits), _with_default(m.doc, m.initial))
+                (
+                    code(m.name or ""),
+                    text(m.bits),
+                    _unit(m),
+                    _with_facts(m, m.initial),
+                )
                 for m in d.members
             ]
-            page.table(("field", "bits", "description"), rows)
+            page.table(("field", "bits", "unit", "description"), rows)
         case Typedef() | ValueBox():
             other = content.places.type(d.type, page.path)
             own = d.initial if isinstance(d, Typedef) else None
@@ -146,21 +158,22 @@ def _add_struct(content: Content, page: Page, struct: Struct) -> None:
 def _described(content: Content, entry: Member | Case) -> str:
     """Return the description of a member or branch, with its default."""
     if isinstance(entry, Member) and entry.optional:
-        return entry.doc
-    default = default_of(content.model, entry.type, entry.initial)
-    return _with_default(entry.doc, default)
+        return _with_facts(entry, None)
+    return _with_facts(entry, default_of(content.model, entry.type, entry.initial))
 
 
-def _with_default(doc: str, default: InitialValue | None) -> str:
-    if default is None:
-        return doc
-    return f"{doc} Default: {default_text(default)}.".strip()
+def _with_facts(entry: Documented, default: InitialValue | None) -> str:
+    """Return a description with limits and default, a sentence each."""
+    bounds = limits_text(limits(entry.annotations))
+    facts = [f"Limits: {bounds}."] * bool(bounds)
+    if default is not None:
+        facts.append(f"Default: {default_text(default)}.")
+    return " ".join([entry.doc, *facts]).strip() if facts else entry.doc
 
 
 def _unit(entry: Documented) -> str:
     """Return the unit that an annotation states, as written."""
-    unit = entry.annotation("unit")
-    return "" if unit is None else str(unit.get() or "")
+    return annotated_unit(entry) or ""
 
 
 def _octets(place: MemberPlace) -> list[object]:
@@ -188,7 +201,12 @@ def _add_interface(
         names = (places.link(Kind.TYPE, "::".join(b), here) for b in interface.bases)
         page.add(f"Derives from {', '.join(names)}.")
     attributes = [
-        (code(a.name), places.type(a.type, here), "readonly" * a.readonly, a.doc)
+        (
+            code(a.name),
+            places.type(a.type, here),
+            "readonly" * a.readonly,
+            member_text(a),
+        )
         for a in interface.attributes
     ]
     page.table(("attribute", "type", "access", "description"), attributes)
@@ -221,5 +239,5 @@ def _operation(content: Content, here: str, o: Operation) -> tuple[object, ...]:
         returns,
         Markdown("<br>".join(parameters)),
         Markdown(", ".join(raises)),
-        o.doc,
+        operation_text(o),
     )

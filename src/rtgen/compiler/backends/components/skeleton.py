@@ -17,6 +17,7 @@ from rtgen.compiler.backends.components.locations import (
     source_of,
 )
 from rtgen.compiler.backends.components.members import attributes_of
+from rtgen.compiler.backends.kit.member_texts import member_text, operation_text
 from rtgen.compiler.backends.kit.python_module import import_blocks, imports_from
 from rtgen.compiler.backends.kit.python_text import fit_text, header_comment
 from rtgen.compiler.backends.kit.quoting.python import docstring
@@ -32,7 +33,6 @@ from rtgen.compiler.model import (
     Valuetype,
 )
 from rtgen.compiler.typemap.components.actions import skeleton_actions
-from rtgen.compiler.typemap.member_units import operation_text
 from rtgen.compiler.typemap.python.idl_names import PythonNames
 from rtgen.compiler.typemap.python.names import identifier
 
@@ -138,7 +138,7 @@ def _attribute(imports: Imports, attribute: Attribute) -> _Attribute:
         name=identifier(attribute.name),
         type=imports.mapping.annotation(attribute.type),
         readonly=attribute.readonly,
-        docstring=docstring(attribute.doc, 8),
+        docstring=docstring(member_text(attribute), 8),
     )
 
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 
 import msgspec
 
+from rtgen.compiler.backends.kit.member_texts import member_text, operation_text
 from rtgen.compiler.backends.kit.python_text import tuple_of
 from rtgen.compiler.backends.kit.quoting.python import docstring, string_literal
 from rtgen.compiler.backends.kit.rendering import render
@@ -18,7 +19,6 @@ from rtgen.compiler.model import (
     Operation,
     ScopedName,
 )
-from rtgen.compiler.typemap.member_units import operation_text
 from rtgen.compiler.typemap.python.idl import PythonMapping
 from rtgen.compiler.typemap.python.idl_names import PythonNames
 
@@ -90,10 +90,11 @@ class Interfaces:
 
     def _attribute(self, attribute: Attribute, called: dict[str, str]) -> _Attribute:
         name = called[attribute.name]
+        otherwise = f"`{attribute_text(attribute)}`."
         return _Attribute(
             name=name,
             type=self.mapping.annotation(attribute.type),
-            docstring=docstring(attribute.doc, 8, f"`{attribute_text(attribute)}`."),
+            docstring=docstring(member_text(attribute, otherwise), 8, otherwise),
             readonly=attribute.readonly,
             get_operation=self._marks(attribute.name, name, attribute.get_raises),
             set_operation=self._marks(attribute.name, name, attribute.set_raises),

@@ -8,6 +8,7 @@ from math import isfinite
 
 import msgspec
 
+from rtgen.compiler.backends.kit.member_texts import member_text
 from rtgen.compiler.backends.kit.python_initial import PythonInitial
 from rtgen.compiler.backends.kit.quoting.python import (
     docstring,
@@ -48,7 +49,6 @@ from rtgen.compiler.model import (
     Valuetype,
 )
 from rtgen.compiler.model.initial import selected
-from rtgen.compiler.typemap.member_units import member_text
 from rtgen.compiler.typemap.python.idl import PythonMapping, is_boolean
 from rtgen.compiler.typemap.python.idl_names import PythonNames, is_emitted
 
@@ -339,7 +339,7 @@ class TypesModule:
                 zero = False if is_bool else 0
                 value = zero if field.initial is None else field.initial
                 text = f"{names[field.name]}: {kind} = {value}"
-                fields.append(Statement(text, docstring(field.doc, 4)))
+                fields.append(Statement(text, docstring(member_text(field), 4)))
         base = declaration.base
         return render(
             "types/struct.py.j2",
@@ -356,7 +356,7 @@ class TypesModule:
     def _const(self, declaration: Const) -> str:
         name = self._local(declaration)
         value = self._constant(declaration.value)
-        doc = docstring(declaration.doc, 0)
+        doc = docstring(member_text(declaration), 0)
         return f"{name}: {self.scope.Final} = {value}\n{doc}"
 
     def _constant(self, value: ConstantValue) -> str:
@@ -377,7 +377,7 @@ class TypesModule:
         name = self._local(declaration)
         if self._is_ahead(declaration.type):
             annotation = f'"{annotation}"'
-        doc = docstring(declaration.doc, 0)
+        doc = docstring(member_text(declaration), 0)
         if not self._calls.marshalled and self._is_inside_interface(declaration):
             return f"{name}: {self.scope.TypeAlias} = {annotation}\n{doc}"
         described = self._describe.alias(

@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import msgspec
 
+from rtgen.compiler.backends.kit.member_texts import member_text
 from rtgen.compiler.backends.kit.quoting.python import comment_text, string_literal
 from rtgen.compiler.backends.types.descriptions import Descriptions
 from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.layouts.cdr_types import CdrTypes
 from rtgen.compiler.model import Case, Model, NamedType, Primitive, PrimitiveType, Union
 from rtgen.compiler.model.initial import discriminator, selected
-from rtgen.compiler.typemap.member_units import member_text
 from rtgen.compiler.typemap.python.idl import PythonMapping
 from rtgen.compiler.typemap.python.idl_names import OWN_NAMES, PythonNames, distinct
 from rtgen.facts.primitives import INTEGER_RANGES

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
+from rtgen.compiler.backends.kit.member_texts import member_text, operation_text
 from rtgen.compiler.backends.kit.python_initial import PythonInitial
 from rtgen.compiler.backends.kit.quoting.python import docstring, string_literal
 from rtgen.compiler.backends.kit.rendering import render
@@ -15,7 +16,6 @@ from rtgen.compiler.backends.types.descriptions import (
 from rtgen.compiler.backends.types.interfaces import Interfaces
 from rtgen.compiler.backends.types.scope import Scope
 from rtgen.compiler.model import InitialValue, Type, ValueBox, Valuetype
-from rtgen.compiler.typemap.member_units import member_text
 from rtgen.compiler.typemap.python.idl import PythonMapping
 from rtgen.compiler.typemap.python.idl_names import PythonNames
 
@@ -65,7 +65,7 @@ class Valuetypes(msgspec.Struct, eq=False):
                 name=called[o.name],
                 parameters=", ".join(mapping.parameters(o)),
                 result=mapping.result(o),
-                docstring=docstring(o.doc, 8, f"`{signature(o)}`."),
+                docstring=docstring(operation_text(o), 8, f"`{signature(o)}`."),
                 message=string_literal(f"{declaration.scoped}::{o.name}"),
             )
             for o in declaration.operations
@@ -74,11 +74,12 @@ class Valuetypes(msgspec.Struct, eq=False):
             _Property(
                 name=called[a.name],
                 type=mapping.annotation(a.type),
-                docstring=docstring(a.doc, 8, f"`{attribute_text(a)}`."),
+                docstring=docstring(member_text(a, text), 8, text),
                 readonly=a.readonly,
                 message=string_literal(f"{declaration.scoped}::{a.name}"),
             )
             for a in declaration.attributes
+            for text in (f"`{attribute_text(a)}`.",)
         ]
         bases = [py.reference(base) for base in self._names.bases(declaration)]
         return render(

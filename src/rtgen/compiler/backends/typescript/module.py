@@ -6,6 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 from typing import Any
 
+from rtgen.compiler.backends.kit.member_texts import member_text
 from rtgen.compiler.backends.kit.quoting import typescript as quoting
 from rtgen.compiler.backends.kit.quoting.typescript import TypeScript
 from rtgen.compiler.backends.kit.rendering import render
@@ -28,7 +29,6 @@ from rtgen.compiler.model import (
     Typedef,
     Union,
 )
-from rtgen.compiler.typemap.member_units import member_text
 
 _WORD = re.compile(r"[A-Za-z0-9_$]+")
 _STRING = re.compile(r'"(?:[^"\\]|\\.)*"')
@@ -74,7 +74,7 @@ class TypesModule:
         """Return the values for the template."""
         part = {
             "name": identifier(declaration.name),
-            "doc": declaration.doc,
+            "doc": member_text(declaration),
             "scoped": declaration.scoped,
             **self._values(declaration),
         }

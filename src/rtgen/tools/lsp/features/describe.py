@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Iterator
 
 from rtgen.compiler.backends.kit.idl_text.literals import default_text
+from rtgen.compiler.backends.kit.member_texts import operation_text
 from rtgen.compiler.inspection import tecs as tecs_text
 from rtgen.compiler.inspection.facts import kind_of
 from rtgen.compiler.layouts import offsets
@@ -21,6 +22,7 @@ from rtgen.compiler.model import (
     Enum,
     Enumerator,
     Interface,
+    Limits,
     Member,
     Model,
     Operation,
@@ -31,10 +33,12 @@ from rtgen.compiler.model import (
     Type,
     Typedef,
     Union,
+    limits,
 )
 from rtgen.compiler.model.canopen import Device, Object, Variable
 from rtgen.compiler.model.initial import default_of
 from rtgen.compiler.model.tecs import Signature, TecsDeclaration, TecsUnit
+from rtgen.compiler.typemap.member_units import annotated_unit
 from rtgen.tools.indexing.cdl import file_and_name
 from rtgen.tools.indexing.devices import object_of
 from rtgen.tools.indexing.index import path_of
@@ -120,7 +124,7 @@ def _declaration(analysis: Analysis, d: Declaration) -> str:
             lines.append(f"// {_resolved(model, type_)}")
         case _:
             lines += [f"  {_line(p)}" for _, p in parts_of(d)][:_MAX_ROWS]
-    return _joined(_code("idl", *lines), layout, d.doc)
+    return _joined(_code("idl", *lines), layout, *_value_notes(d), d.doc)
 
 
 def _head(d: Declaration) -> str:
@@ -191,21 +195,34 @@ def _part(analysis: Analysis, holder: Declaration, way: ScopedName) -> str | Non
         resolved = _resolved(analysis.model, found.type)
         if resolved != str(found.type):
             lines.append(f"// {resolved}")
-        annotation = found.annotation("unit")
-        if annotation is not None and not isinstance(found, Port):
-            notes.append(f"unit: {annotation.get()}")
-    return _joined(_code("idl", *lines), *notes, found.doc)
+        if not isinstance(found, Port):
+            notes += _value_notes(found)
+    doc = operation_text(found) if isinstance(found, Operation) else found.doc
+    return _joined(_code("idl", *lines), *notes, doc)
 
 
 def _parameter_notes(parameter: ConfigurationParameter) -> list[str]:
-    values = (
-        ("default", parameter.default),
-        ("least", parameter.minimum),
-        ("most", parameter.maximum),
-    )
-    notes = [f"{word}: {default_text(v)}" for word, v in values if v is not None]
-    texts = (("unit", parameter.unit), ("constraint", parameter.constraint))
-    return notes + [f"{word}: {text}" for word, text in texts if text]
+    default, constraint = parameter.default, parameter.constraint
+    return [
+        *([] if default is None else [f"default: {default_text(default)}"]),
+        *_limit_notes((parameter.minimum, parameter.maximum)),
+        *[f"unit: {parameter.unit}"] * bool(parameter.unit),
+        *[f"constraint: {constraint}"] * bool(constraint),
+    ]
+
+
+def _value_notes(entry: Documented) -> list[str]:
+    """Return what annotations say of the values of a member or a declaration."""
+    unit = annotated_unit(entry)
+    return [
+        *_limit_notes(limits(entry.annotations)),
+        *([] if unit is None else [f"unit: {unit}"]),
+    ]
+
+
+def _limit_notes(within: Limits) -> list[str]:
+    words = zip(("least", "most"), within, strict=True)
+    return [f"{word}: {default_text(v)}" for word, v in words if v is not None]
 
 
 def _resolved(model: Model, type_: Type) -> str:

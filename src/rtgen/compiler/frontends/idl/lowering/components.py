@@ -3,7 +3,8 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterator, Mapping
+from itertools import chain
 from typing import Any
 
 import msgspec
@@ -13,7 +14,6 @@ from rtgen.compiler.frontends.idl.lowering.common_fields import CommonFields
 from rtgen.compiler.frontends.idl.meaning.annotations import (
     Annotations,
     contradictions,
-    limits,
     text,
     value,
 )
@@ -40,6 +40,7 @@ from rtgen.compiler.model import (
     StringType,
     Type,
     Typedef,
+    limits,
 )
 from rtgen.facts import parameter_texts
 from rtgen.facts.comments import first_sentence
@@ -281,10 +282,12 @@ class Components(msgspec.Struct, eq=False):
     def _parameter(
         self, entity: Entity, type_: Type, attached: tuple[Annotation, ...], doc: str
     ) -> ConfigurationParameter:
-        low, high = limits(attached)
+        aliases = [*self._aliases(type_)]
+        low, high = limits(chain(attached, *(each.annotations for each in aliases)))
         default = value(attached, "default")
         if default is None:
-            default = self._inherited(type_)
+            inherited = (each.initial for each in aliases if each.initial is not None)
+            default = next(map(_text_form, inherited), None)
         for message in contradictions((low, high), default):
             hint = "correct @default, @min or @max"
             self._report(rules.DEFAULT_RANGE.at(entity.span, message, hint=hint))
@@ -303,14 +306,12 @@ class Components(msgspec.Struct, eq=False):
             widget=text(attached, "widget") or "",
         )
 
-    def _inherited(self, type_: Type) -> ConstantValue | None:
-        """Return the default of the nearest typedef that has one; that of a list is a text."""
+    def _aliases(self, type_: Type) -> Iterator[Typedef]:
+        """Yield the typedefs of a type, the nearest first."""
         while isinstance(type_, NamedType) and type_.name in self._typedefs:
             typedef = self._typedefs[type_.name]
-            if typedef.initial is not None:
-                return _text_form(typedef.initial)
+            yield typedef
             type_ = typedef.type
-        return None
 
     def _has_text_form(self, type_: Type) -> bool:
         plain = self._types.unaliased(type_)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Iterator
 from decimal import Decimal
-from typing import TypeAlias, TypeGuard
+from typing import TypeGuard
 
 from rtgen.compiler.diagnostics import Diagnostic, Related
 from rtgen.compiler.frontends.idl.meaning.defaults import (
@@ -40,6 +40,7 @@ from rtgen.compiler.model import (
     ConstantValue,
     EnumeratorName,
     InitialValue,
+    Limits,
     NamedType,
     Primitive,
     SequenceType,
@@ -99,17 +100,22 @@ class Annotations:
     def _repeated(self, nodes: tuple[tree.Annotation, ...], unit: Unit) -> None:
         seen: dict[str, tree.Annotation] = {}
         for node in nodes:
-            first = seen.setdefault(node.name, node)
-            if first is not node and node.name not in _REPEATABLE:
-                before = unit.span(first.start, first.end)
-                self._report(
-                    rules.REPEATED.at(
-                        unit.span(node.start, node.end),
-                        f"@{node.name} is given twice",
-                        related=[Related(before, "the first time")],
-                        hint="keep one of them",
+            statements = [node.name]
+            if node.name == "range":
+                statements += [each.name.text for each in node.arguments if each.name]
+            for stated in statements:
+                first = seen.setdefault(stated, node)
+                if first is not node and stated not in _REPEATABLE:
+                    before = unit.span(first.start, first.end)
+                    self._report(
+                        rules.REPEATED.at(
+                            unit.span(node.start, node.end),
+                            f"@{stated} is given twice",
+                            related=[Related(before, "the first time")],
+                            hint="keep one of them",
+                        )
                     )
-                )
+                    break
 
     def _one(
         self, node: tree.Annotation, place: str, unit: Unit, type_: Type | None
@@ -319,18 +325,6 @@ def _complete(node: tree.Annotation, definition: Definition) -> bool:
         or definition.required in names
         or not definition.arguments.keys() >= set(names)
     )
-
-
-Limits: TypeAlias = tuple[ConstantValue | None, ConstantValue | None]
-
-
-def limits(annotations: Iterable[Annotation]) -> Limits:
-    """Return the minimum and the maximum in annotations."""
-    annotations = tuple(annotations)
-    low, high = value(annotations, "range", "min"), value(annotations, "range", "max")
-    low = value(annotations, "min") if low is None else low
-    high = value(annotations, "max") if high is None else high
-    return low, high
 
 
 def contradictions(within: Limits, default: InitialValue | None) -> Iterator[str]:

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterable, Iterator
 
-from rtgen.compiler.frontends.idl.meaning.annotations import contradictions, limits
+from rtgen.compiler.frontends.idl.meaning.annotations import contradictions
 from rtgen.compiler.frontends.idl.meaning.checks.context import Context
 from rtgen.compiler.frontends.idl.meaning.operands import string_size
 from rtgen.compiler.frontends.idl.names.scopes import Entity
@@ -25,6 +25,7 @@ from rtgen.compiler.model import (
     Typedef,
     Union,
     Valuetype,
+    limits,
 )
 from rtgen.facts.primitives import INTEGER_RANGES
 
