@@ -16,7 +16,7 @@ from rtgen.compiler.judging import Judge
 from rtgen.compiler.model import Component
 from rtgen.compiler.model.can_bus import Bus
 from rtgen.compiler.model.system_links import known_components
-from rtgen.compiler.project import load
+from rtgen.compiler.project import load_around
 from rtgen.compiler.systems import checks, timeline
 from rtgen.compiler.systems.conditions import SECOND
 from rtgen.tools.kit.console import Console, write_out
@@ -64,7 +64,7 @@ def graph(
     diagnostics: list[Diagnostic] = list(findings)
     profiles: dict[str, ComponentView] = {}
     buses: Sequence[Bus] = ()
-    project, result = load(), None
+    project, result = load_around(path), None
     if project.sources and not has_errors(diagnostics):
         result = compilation.read(project, lowered=True)
         diagnostics += result.diagnostics
