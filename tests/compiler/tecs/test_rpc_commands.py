@@ -128,6 +128,11 @@ def test_a_reply_to_its_request(rpc: Rpc) -> None:
         (("encode", "sMoves.go", "--request", "{}"), "did you mean 'sMove'?"),
         (("encode", "go", "--request", "{}"), "SIGNATURE.FUNCTION"),
         (("encode", "sMove.go", "--request", "{"), "'{' is not JSON"),
+        (("encode", "sMove.go", "--request", '{"p": 1, "p": 2}'), "'p' is there twice"),
+        (
+            ("encode", "sMove.go", "--request", '{"p": {"x": 1, "x": 2}}'),
+            "'x' is there",
+        ),
         (("encode", "sMove.go", "--request", "{}"), "'p' is missing"),
         (("check", "h:1", "sMove", "--timeout", "inf"), "a positive number of seconds"),
         (("check", "h:1", "sMove", "--timeout", "nan"), "a positive number of seconds"),

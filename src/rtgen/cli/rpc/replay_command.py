@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 from pathlib import Path
 
 import click
@@ -12,6 +11,7 @@ from rtgen.cli.options import with_console
 from rtgen.cli.rpc.common import with_representation
 from rtgen.tools.kit.console import Console, write_text
 from rtgen.tools.kit.exits import NO, OK, Refusal
+from rtgen.tools.kit.json_text import parse_json
 from rtgen.tools.rpc.recorded_calls import Replay
 from rtgen.tools.rpc.signatures import Wire, content
 
@@ -30,7 +30,7 @@ def replay_(console: Console, traces: Path, verbose: bool, wire: Wire) -> int:
     data representation of the case. Exit code 1: a case differs.
     """
     try:
-        recorded = json.loads(content(traces))
+        recorded = parse_json(content(traces))
     except (ValueError, RecursionError) as error:
         raise Refusal(f"{traces} is not JSON: {error}") from error
     if not isinstance(recorded, dict) or recorded.get("format") != _FORMAT:

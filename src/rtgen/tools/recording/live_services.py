@@ -20,6 +20,7 @@ from rtgen.runtime.system.json_calls import (
     forms_of,
 )
 from rtgen.runtime.system.system import System
+from rtgen.tools.kit.json_text import parse_json
 
 _MAX_LENGTH: Final = 1 << 20
 """Maximum length of a request in octets."""
@@ -111,7 +112,7 @@ def _object(payload: bytes) -> dict[str, Any]:
     if len(payload) > _MAX_LENGTH:
         raise RefusedError(f"a request of {len(payload)} octets")
     try:
-        value = json.loads(payload or b"{}")
+        value = parse_json(payload or b"{}")
     except (ValueError, RecursionError) as error:
         raise RefusedError(f"the request is not JSON: {error}") from None
     if not isinstance(value, dict):

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import json
 import threading
 import time
 from collections.abc import Callable
@@ -19,6 +18,7 @@ from rtgen.runtime.opaque_rpc import (
     ProtocolError,
 )
 from rtgen.runtime.opaque_rpc.digest import DIGEST, digest_handler
+from rtgen.tools.kit.json_text import parse_json
 from rtgen.tools.rpc.codecs import Function, Service
 from rtgen.tools.rpc.signatures import printed
 from rtgen.tools.rpc.values import Json, JsonError
@@ -129,7 +129,7 @@ def _answers(service: Service, script: str) -> list[_Answer]:
     for number, line in enumerate(script.splitlines(), 1):
         if line.strip():
             try:
-                answers.append(_answer(service, json.loads(line)))
+                answers.append(_answer(service, parse_json(line)))
             except (ArgumentError, ValueError, RecursionError) as error:
                 raise ScriptError(number, str(error)) from error
     return answers

@@ -14,6 +14,7 @@ from rtgen.facts.encodings import decode
 from rtgen.facts.files import UnreadableError, read_file
 from rtgen.runtime.opaque_rpc import REPLY_LIMIT, ReplyOrder, Tdr
 from rtgen.tools.kit.exits import Refusal
+from rtgen.tools.kit.json_text import parse_json
 from rtgen.tools.rpc.codecs import Function, Service
 from rtgen.tools.rpc.values import Json
 
@@ -132,7 +133,7 @@ def service_of(
 def parsed(text: str) -> Json:
     """Parse JSON from the command line. Raises Refusal."""
     try:
-        value: Json = json.loads(text)
+        value: Json = parse_json(text)
     except (ValueError, RecursionError) as error:
         raise Refusal(f"{text[:40]!r} is not JSON: {error}") from error
     return value
