@@ -176,6 +176,18 @@ def test_odd_content(tmp_path: Path, old: str, new: str) -> None:
     assert {d.code for d in result.diagnostics} <= {"EDS0700", "EDS0701", "EDS0704"}
 
 
+def test_names_of_nodes_that_differ_in_case_only(tmp_path: Path) -> None:
+    shutil.copy(BASE, tmp_path / "board.eds")
+    lines = [*LINKED.splitlines(), "[node.ONE]", 'device = "board"', "id = 99"]
+    (tmp_path / "net.toml").write_text("\n".join(lines), encoding="utf-8")
+    found = load(tmp_path / "net.toml", root=tmp_path).diagnostics
+    at = lines.index("[node.ONE]") + 1
+    assert [d.span.line for d in found if d.code == "EDS0701" and d.span] == [at]
+    text = "\n".join(lines).replace("[bus]", "[bus]\ndcf = false", 1)
+    (tmp_path / "net.toml").write_text(text, encoding="utf-8")
+    assert load(tmp_path / "net.toml", root=tmp_path).bus is not None
+
+
 @pytest.mark.parametrize(
     "text", ["two\nlines", "\r", "\0", "a\0b", " before", "behind\t"]
 )

@@ -145,8 +145,13 @@ class _Reader:
             if (kind := self._kind(name)) is not None
         }
         ids = {declared.get("manager", MANAGER): "the manager"}
+        names: dict[str, str] = {}
         nodes = []
         for name, node in content["node"].items():
+            same = names.setdefault(name.lower(), name)
+            if same != name and declared.get("dcf", True):
+                message = f"{name} and {same} differ in case only: so do their DCFs"
+                self._report(rules.BAD_CONTENT, ("node", name), message)
             other = ids.setdefault(node["id"], name)
             if other != name:
                 message = f"node-id {node['id']} is that of {other}"
