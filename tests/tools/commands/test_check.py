@@ -295,6 +295,46 @@ def test_commands_that_only_read_a_system_warn_of_its_configuration(
     assert "RTC0599" not in capfd.readouterr().err
 
 
+@pytest.mark.parametrize("command", ["inspect", "graph"])
+@pytest.mark.usefixtures("system")
+def test_a_system_is_read_with_the_project_around_it(
+    command: str,
+    tmp_path_factory: pytest.TempPathFactory,
+    monkeypatch: pytest.MonkeyPatch,
+    capfd: pytest.CaptureFixture[str],
+) -> None:
+    change('"gain"', '"gian"', KITCHEN)
+    system = Path(KITCHEN).absolute()
+    monkeypatch.chdir(tmp_path_factory.mktemp("elsewhere"))
+    assert run([command, str(system)]) == 0
+    assert "Oven has no parameter 'gian'" in capfd.readouterr().err
+
+
+CONFS = {
+    "a parameter that is not there": "conf.default.gian: 3",
+    "a value of another type": "conf.default.gain: two",
+    "a line of another form": "conf.default.gain 3",
+    "a key of another form": "conf.gain: 3",
+    "a rate": "exec_cxt.periodic.rate: fast",
+    "an active set": "configuration.active_config: fast",
+}
+
+
+@pytest.mark.parametrize("kind", CONFS)
+@pytest.mark.usefixtures("system")
+def test_check_and_run_find_faults_of_conf_files_at_their_lines(
+    kind: str, capfd: pytest.CaptureFixture[str]
+) -> None:
+    Path("systems/Oven.conf").write_text(f"# the oven\n{CONFS[kind]}\n")
+    assert run(["check"]) == 1
+    err = capfd.readouterr().err
+    assert "systems/Oven.conf:2:1: warning[RTC0599]: " in err
+    assert f"2 | {CONFS[kind]}" in err
+    assert err.count("RTC0599") == 1
+    assert run(["run", KITCHEN, "--until", "0.1"]) == 2
+    assert "systems/Oven.conf:2:1: error[SYS0004]: " in capfd.readouterr().err
+
+
 UNITS = {
     "dimensions": ('@unit("degC")', '@unit("W")', "RTC0593", "error", 2),
     "scales": ('@unit("K")', '@unit("mK")', "RTC0595", "warning", 1),

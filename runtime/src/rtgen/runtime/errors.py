@@ -121,7 +121,15 @@ class ParameterValueError(ConfigurationError):
 
 
 class ConfFileError(ConfigurationError):
-    """A `.conf` file cannot be read: the message has file, line and reason."""
+    """A `.conf` file cannot be read: the message has file, line and reason.
+
+    `line` is 0 if the whole file cannot be read.
+    """
+
+    def __init__(self, name: str, line: int, reason: str) -> None:
+        super().__init__(f"{name}:{line}: {reason}" if line else f"{name}: {reason}")
+        self.line = line
+        self.reason = reason
 
 
 class SampleTypeError(RtcError, TypeError):

@@ -165,9 +165,9 @@ class SystemComponent(Unspelled, frozen=True, eq=False, kw_only=True):
     """A component of a system. `configuration` maps set id to (parameter, text) pairs.
 
     Tools store OpenRTM's `__widget__`, `__constraints__` and `__type__` like sets of parameters.
-    `conf` is the text of the component's `.conf` files beside the system; `places` has the places
-    of its parameters, by set id and parameter. `kind` is that of its execution context, which a
-    file only repeats.
+    `conf_files` are the names and texts of its `.conf` files beside the system; `places` has the
+    places of its parameters, by set id and parameter. `kind` is that of its execution context,
+    which a file only repeats.
     """
 
     spelling = frozenset({"places", "kind"})
@@ -182,7 +182,7 @@ class SystemComponent(Unspelled, frozen=True, eq=False, kw_only=True):
     configuration: tuple[tuple[str, tuple[tuple[str, str], ...]], ...] = ()
     location: tuple[int, int, int, int] | None = None
     required: bool = True
-    conf: str = ""
+    conf_files: tuple[tuple[str, str], ...] = ()
     places: Mapping[tuple[str, str], Span] = msgspec.field(default_factory=dict)
     kind: str = "PERIODIC"
 

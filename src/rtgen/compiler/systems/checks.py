@@ -2,11 +2,12 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator, Mapping, Set
+from pathlib import Path
 
 from msgspec.structs import replace
 
-from rtgen.compiler.diagnostics import Diagnostic, Severity
+from rtgen.compiler.diagnostics import Diagnostic, Severity, Span
 from rtgen.compiler.frontends.kit.suggestions import guess
 from rtgen.compiler.model import (
     ConfigurationParameter,
@@ -25,7 +26,7 @@ from rtgen.compiler.systems.connection_rules import (
 )
 from rtgen.compiler.typemap.components.parameters import Parameters
 from rtgen.runtime.errors import ConfFileError, ConfigurationError
-from rtgen.runtime.rtc.conf_file import parse
+from rtgen.runtime.rtc.conf_file import ACTIVE_SET, parse
 from rtgen.runtime.rtc.configuration import DEFAULT_SET
 from rtgen.runtime.rtc.parameter_values import Converter
 from rtgen.runtime.rtc.profiles import ParameterProfile
@@ -90,23 +91,55 @@ def _configuration(c: SystemComponent, definition: Known) -> Iterator[Diagnostic
             if problem is not None:
                 span = c.places.get((set_id, name), c.span)
                 yield SYSTEM_PARAMETER.at(span, problem[0], hint=problem[1])
-    try:
-        conf = parse(c.conf)
-    except ConfFileError:
-        return  # Its line is known to a run, which reads each file by itself.
-    for set_id, texts in conf.sets.items():
-        for name, text in texts.items():
-            problem = parameter_problem(c, name, text, definition)
-            if problem is not None:
-                message = f"set {set_id!r} of its .conf file: {problem[0]}"
-                yield CONFIGURED_IN_VAIN.at(c.span, message, hint=problem[1])
-    of_file = {DEFAULT_SET, *conf.sets}
-    of_system = of_file.union(id_ for id_, _ in c.parameter_sets)
-    for active, known in ((conf.active_set, of_file), (c.active_set, of_system)):
-        if active is not None and active not in known:
-            message = f"{c.instance} has no configuration set {active!r}"
-            hint = guess(active, known) or f"it has {', '.join(sorted(known))}"
-            yield CONFIGURED_IN_VAIN.at(c.span, message, hint=hint)
+    known = {DEFAULT_SET}
+    for name, content in c.conf_files:
+        file = _displayed(c, name)
+        try:
+            conf = parse(content, file)
+        except ConfFileError as error:
+            span = conf_span(file, error.line)
+            yield CONFIGURED_IN_VAIN.at(span, error.reason)
+            return  # Its sets are not known.
+        for set_id, texts in conf.sets.items():
+            for parameter, text in texts.items():
+                problem = parameter_problem(c, parameter, text, definition)
+                if problem is not None:
+                    key = f"conf.{set_id}.{parameter}"
+                    span = conf_span(file, conf.lines[key], key)
+                    yield CONFIGURED_IN_VAIN.at(span, problem[0], hint=problem[1])
+        known |= conf.sets.keys()
+        if conf.active_set is not None:
+            span = conf_span(file, conf.lines[ACTIVE_SET], ACTIVE_SET)
+            yield from _active_set(c, conf.active_set, known, span)
+    known |= {id_ for id_, _ in c.parameter_sets}
+    yield from _active_set(c, c.active_set, known, c.span)
+
+
+def _active_set(
+    c: SystemComponent, active: str, known: Set[str], span: Span
+) -> Iterator[Diagnostic]:
+    if active not in known:
+        message = f"{c.instance} has no configuration set {active!r}"
+        hint = guess(active, known) or f"it has {', '.join(sorted(known))}"
+        yield CONFIGURED_IN_VAIN.at(span, message, hint=hint)
+
+
+def conf_sources(system: System) -> dict[str, str]:
+    """Return the `.conf` files of a system: displayed paths and texts."""
+    return {
+        _displayed(c, name): text
+        for c in system.components
+        for name, text in c.conf_files
+    }
+
+
+def conf_span(file: str, line: int, key: str = "") -> Span:
+    """Return the place of a key in a `.conf` file; `line` is 0 for the whole file."""
+    return Span(file, max(line, 1), 1, max(line, 1), 1 + len(key or " "))
+
+
+def _displayed(c: SystemComponent, name: str) -> str:
+    return Path(c.span.file).with_name(name).as_posix()
 
 
 def parameter_problem(

@@ -17,7 +17,7 @@ from rtgen.compiler.kit import stages
 from rtgen.compiler.model import Model, System, SystemComponent
 from rtgen.compiler.model.system_links import definitions_of, known_components
 from rtgen.compiler.systems import ros_topics
-from rtgen.compiler.systems.checks import check, check_properties
+from rtgen.compiler.systems.checks import check, check_properties, conf_sources
 from rtgen.compiler.typemap.openrtm_ports import ports_of, with_definition_names
 from rtgen.facts.encodings import decode, digest
 from rtgen.facts.files import read_start
@@ -58,6 +58,7 @@ def read(
             system = _with_conf(
                 result.system, path.parent, systems.dependencies, encoding
             )
+            systems.sources |= conf_sources(system)
             systems.systems.append(
                 replace(
                     system,
@@ -85,10 +86,11 @@ def read_file(
     Return the system (None if it has errors), the diagnostics, and the sources.
     """
     result = rts_profile.load(path, display=path.as_posix(), encoding=encoding)
-    system = result.system
+    system, sources = result.system, result.sources
     if system is not None:
         system = _with_conf(system, path.parent, [], encoding)
-    return system, result.diagnostics, result.sources
+        sources = {**sources, **conf_sources(system)}
+    return system, result.diagnostics, sources
 
 
 def added(
@@ -170,16 +172,15 @@ def _with_conf(
     system: System, folder: Path, dependencies: list[Dependency], encoding: str
 ) -> System:
     components = [
-        replace(c, conf=_conf(c, folder, dependencies, encoding))
+        replace(c, conf_files=tuple(_conf_files(c, folder, dependencies, encoding)))
         for c in system.components
     ]
     return replace(system, components=tuple(components))
 
 
-def _conf(
+def _conf_files(
     c: SystemComponent, folder: Path, dependencies: list[Dependency], encoding: str
-) -> str:
-    texts = []
+) -> Iterator[tuple[str, str]]:
     for name in dict.fromkeys((c.type, c.instance)):
         path = folder / f"{name}.conf"
         if path.parent != folder:
@@ -190,5 +191,4 @@ def _conf(
             dependencies.append(Dependency(path, None))
             continue
         dependencies.append(Dependency(path, sha256(data).hexdigest()))
-        texts.append(decode(data, encoding, standard=True).normal)
-    return "\n".join(texts)
+        yield path.name, decode(data, encoding, standard=True).normal

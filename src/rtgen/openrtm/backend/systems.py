@@ -364,7 +364,10 @@ class _Writer:
             # modules are started in their own folders
             folder=f"../../{self._system.folder}" if self._system.folder else "",
             beside=[
-                Conf(line) for line in _LINE_END.split(c.conf.strip()) if c.conf.strip()
+                Conf(line)
+                for _, text in c.conf_files
+                for line in _LINE_END.split(text.strip())
+                if text.strip()
             ],
             sets=[
                 (set_id, name, text)
@@ -425,7 +428,7 @@ def _value(c: SystemComponent, plan: ComponentPlan, name: str) -> float | None:
     if parameter is None:
         return None
     texts = [Parameters(plan.unit.model).default_text(parameter)]
-    for line in c.conf.splitlines():
+    for line in "\n".join(text for _, text in c.conf_files).splitlines():
         match = _CONF_LINE.fullmatch(line)
         if match and (match["set"], match["name"]) == (c.active_set, name):
             texts.append(match["text"].strip())

@@ -22,6 +22,7 @@ from rtgen.compiler.diagnostics import (
 )
 from rtgen.compiler.frontends.kit.suggestions import guess, nearest
 from rtgen.compiler.model import Connection, System, SystemComponent
+from rtgen.compiler.systems.checks import conf_span
 from rtgen.compiler.systems.rules import (
     CONNECTION,
     NO_COMPONENT,
@@ -42,6 +43,7 @@ from rtgen.compiler.systems.timeline import (
 from rtgen.compiler.typemap.openrtm_ports import InstancePorts, with_definition_names
 from rtgen.facts.connector_properties import embedded_properties
 from rtgen.facts.openrtm_ports import IN, OUT, SERVICE, registered_names
+from rtgen.runtime.rtc.conf_file import ACTIVE_SET
 from rtgen.runtime.rtc.conf_file import read as read_conf
 from rtgen.runtime.services.transports import ForeignTransport, PublishingTransport
 from rtgen.runtime.system.json_calls import JsonCall, provider_of
@@ -388,7 +390,7 @@ def _configure(
     for name in dict.fromkeys((c.type, c.instance)):
         file = folder / f"{name}.conf"
         if file.is_file():
-            yield from _findings(PARAMETER, None, partial(_load_conf, sets, file))
+            yield from _load_conf(sets, file)
     wrong: set[str] = set()
     for set_id, pairs in c.parameter_sets:
         if not pairs:
@@ -410,8 +412,27 @@ def _configure(
         yield from _findings(PARAMETER, None, change)
 
 
-def _load_conf(sets: runtime.ConfigurationSets, file: Path) -> None:
-    sets.load(read_conf(file))
+def _load_conf(sets: runtime.ConfigurationSets, file: Path) -> Iterator[Diagnostic]:
+    """Load a `.conf` file, if all of it fits."""
+    name = file.as_posix()
+    try:
+        conf = read_conf(file)
+    except runtime.ConfFileError as error:
+        yield PARAMETER.at(conf_span(name, error.line), error.reason)
+        return
+    wrong = False
+    for set_id, texts in conf.sets.items():
+        for parameter, text in texts.items():
+            key = f"conf.{set_id}.{parameter}"
+            span = conf_span(name, conf.lines[key], key)
+            for finding in _findings(
+                PARAMETER, span, partial(sets.check, parameter, text)
+            ):
+                wrong = True
+                yield finding
+    if not wrong:
+        span = conf_span(name, conf.lines.get(ACTIVE_SET, 0), ACTIVE_SET)
+        yield from _findings(PARAMETER, span, partial(sets.load, conf))
 
 
 def _start(profile: System, system: runtime.System) -> Iterator[tuple[int, str]]:

@@ -15,13 +15,16 @@ from rtgen.runtime.errors import ConfFileError
 
 _MAX_BYTES = 1024 * 1024
 
+ACTIVE_SET = "configuration.active_config"
+"""The key of the active configuration set."""
+
 _ESCAPED = re.compile(r"\\(.?)", re.DOTALL)
 _CONTROLS = {"t": "\t", "n": "\n", "r": "\r", "f": "\f"}
 _LINE = re.compile(r"(?P<key>[^:=\s]+)\s*[:=](?P<value>.*)", re.DOTALL)
 
 
 class ConfFile(msgspec.Struct, frozen=True, gc=False):
-    """Content of a `.conf` file; `sets` maps set id to parameter to text.
+    """Content of a `.conf` file; `sets` maps set id to parameter to text, `lines` key to line.
 
     `others` has keys without meaning here, such as `logger.enable`, and sets whose names start with
     two underscores (`__widget__`, `__constraints__`, `__type__`), which are only for tools.
@@ -32,6 +35,7 @@ class ConfFile(msgspec.Struct, frozen=True, gc=False):
     rate: float | None = None
     threads: Threads | None = None
     others: dict[str, str] = msgspec.field(default_factory=dict)
+    lines: dict[str, int] = msgspec.field(default_factory=dict)
 
 
 def read(path: Path) -> ConfFile:
@@ -39,7 +43,7 @@ def read(path: Path) -> ConfFile:
     try:
         text = decode(read_file(path, _MAX_BYTES), standard=True).normal
     except UnreadableError as error:
-        raise ConfFileError(f"{path}: {error}") from error
+        raise ConfFileError(str(path), 0, str(error)) from error
     return parse(text, str(path))
 
 
@@ -55,26 +59,25 @@ def parse(text: str, name: str = "<conf>") -> ConfFile:
     for number, line in _logical_lines(text):
         match = _LINE.fullmatch(line)
         if match is None:
-            raise ConfFileError(
-                f"{name}:{number}: this is not of the form `key: value`"
-            )
+            reason = "this is not of the form `key: value`"
+            raise ConfFileError(name, number, reason)
         key, value = (_unescaped(match[part]).strip() for part in ("key", "value"))
+        conf.lines[key] = number
         parts = key.split(".", 2)
         if parts[0] == "conf" and not key.startswith("conf.__"):
             if len(parts) < 3 or not all(parts):
-                raise ConfFileError(
-                    f"{name}:{number}: {key!r} is not of the form conf.<set>.<parameter>"
-                )
+                reason = f"{key!r} is not of the form conf.<set>.<parameter>"
+                raise ConfFileError(name, number, reason)
             conf.sets.setdefault(parts[1], {})[parts[2]] = value
-        elif key == "configuration.active_config":
+        elif key == ACTIVE_SET:
             active_set = value
         elif key == "exec_cxt.periodic.rate":
-            rate = _rate(value, f"{name}:{number}")
+            rate = _rate(value, name, number)
         elif key == "rtgen.threads":
-            threads = _threads(value, f"{name}:{number}")
+            threads = _threads(value, name, number)
         else:
             conf.others[key] = value
-    return ConfFile(conf.sets, active_set, rate, threads, conf.others)
+    return ConfFile(conf.sets, active_set, rate, threads, conf.others, conf.lines)
 
 
 def _logical_lines(text: str) -> list[tuple[int, str]]:
@@ -101,19 +104,18 @@ def _unescaped(text: str) -> str:
     return _ESCAPED.sub(lambda match: _CONTROLS.get(match[1], match[1]), text)
 
 
-def _threads(text: str, place: str) -> Threads:
+def _threads(text: str, name: str, line: int) -> Threads:
     if text not in set(Threads):
-        raise ConfFileError(f"{place}: {text!r} is not `shared` or `own`")
+        raise ConfFileError(name, line, f"{text!r} is not `shared` or `own`")
     return Threads(text)
 
 
-def _rate(text: str, place: str) -> float:
+def _rate(text: str, name: str, line: int) -> float:
     try:
         rate = float(text)
     except ValueError:
         rate = math.nan
     if not (math.isfinite(rate) and rate > 0.0):
-        raise ConfFileError(
-            f"{place}: the rate {text!r} must be a number of Hz above 0"
-        )
+        reason = f"the rate {text!r} must be a number of Hz above 0"
+        raise ConfFileError(name, line, reason)
     return rate
