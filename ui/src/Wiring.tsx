@@ -190,8 +190,8 @@ function WireLine({ id, data, selected, interactionWidth, ...ends }: EdgeProps<W
       <BaseEdge id={id} path={path} style={{ stroke: ink(data?.type ?? "") }} {...(interactionWidth !== undefined && { interactionWidth })} />
       {said && (lost || over || selected) && (
         <EdgeLabelRenderer>
-          <div className={`health ${lost ? "lossy" : ""}`} style={{ transform: `translate(-50%, -50%) translate(${at.x}px, ${at.y}px)` }}>
-            {said}
+          <div className={`health ${lost ? "lossy" : ""} ${over || selected ? "" : "still"}`} style={{ transform: `translate(-50%, -50%) translate(${at.x}px, ${at.y}px)` }}>
+            <span>{said}</span>
             {lost && (over || selected) && <small>{flow.details}</small>}
           </div>
         </EdgeLabelRenderer>

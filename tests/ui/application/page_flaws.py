@@ -161,6 +161,18 @@ _FLAWS = """async ([contrast, least, part]) => {
         }
         if (broken) flaws.push(`broken: ${about(each)}`);
     }
+    // What wires lose hides no name.
+    const marks = [...document.querySelectorAll(`${part} .far .health`)]
+        .map(each => each.getBoundingClientRect());
+    for (const each of document.querySelectorAll(`${part} .far .head strong`)) {
+        const range = document.createRange();
+        range.selectNodeContents(each);
+        const covered = one => marks.some(other => one.left < other.right - 1
+            && other.left < one.right - 1 && one.top < other.bottom - 1
+            && other.top < one.bottom - 1);
+        if (seen(each) && [...range.getClientRects()].some(covered))
+            flaws.push(`covered by a mark: ${about(each)}`);
+    }
     // Lines to a bus go through no box.
     const boxes = [...document.querySelectorAll(`${part} .box`)].filter(seen);
     const inside = boxes.map(each => [each, each.getBoundingClientRect()]);

@@ -8,7 +8,8 @@ from typing import Any
 
 import pytest
 from hostile_session import Hostile
-from page_flaws import violations
+from msgspec.structs import replace
+from page_flaws import flaws, violations
 from ui_bench import by_both_hands, opened, serving, until
 
 from rtgen.ui.outbox import Outbox
@@ -123,6 +124,64 @@ def apart(one: Rectangle, other: Rectangle) -> bool:
         or one[3] <= other[1]
         or other[3] <= one[1]
     )
+
+
+class Long(Large):
+    """Shows components with long names, half of whose connections lose samples."""
+
+    def __init__(self, count: int) -> None:
+        super().__init__()
+        components = [
+            replace(component(0), instance=LONG[n % len(LONG)] + str(n), place="")
+            for n in range(count)
+        ]
+        self.state = replace(
+            self.state,
+            components=components,
+            connections=[
+                replace(
+                    self.state.connections[0],
+                    name=f"{one.instance} to {other.instance}",
+                    source=ui.PortAddress(one.instance, "given"),
+                    target=ui.PortAddress(other.instance, "taken"),
+                )
+                for one, other in pairwise(components)
+            ],
+        )
+
+    def join(self, page: Outbox) -> None:
+        connections = self.state.connections
+        flows = [
+            ui.Flow(each.name, 100.0, 700 * (i % 2), "700 refused by a full buffer")
+            for i, each in enumerate(connections)
+        ]
+        page.put(
+            ui.Event.of_greeting(ui.Hello(ui.VERSION, self.name, full=True)),
+            ui.Event.of_whole(self.state),
+            ui.Event.of_flows(flows),
+        )
+
+
+LONG = [
+    "Arm",
+    "Thermostat",
+    "VeryLongNameThatNobodyWouldWriteInEarnest",
+]
+
+
+@pytest.mark.parametrize("count", [4, 40])
+@pytest.mark.parametrize("size", [(1440, 900), (820, 1180), (390, 844)])
+def test_losses_hide_no_name(browser: Any, count: int, size: tuple[int, int]) -> None:
+    with (
+        serving(Server(Long(count), "127.0.0.1", 0)) as server,
+        opened(browser, server.address(full=True)) as page,
+    ):
+        page.set_viewport_size({"width": size[0], "height": size[1]})
+        boxes = page.locator(".wiring[aria-busy=false] .react-flow__node")
+        boxes.nth(count - 1).wait_for()
+        page.get_by_role("button", name="Fit View").click()
+        page.locator(".health.lossy").first.wait_for()
+        assert flaws(page) == []
 
 
 FOUND_LATE = """async () => {
