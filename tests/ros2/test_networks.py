@@ -277,7 +277,7 @@ def test_garbage_is_counted(messages: dict[str, ModuleType], stack: ExitStack) -
     made, _, in_ = ports(network, messages, PROFILES["default"])
     stack.callback(made.close)
     publisher = plain.declare_publisher(GOAL)
-    reader = made._made[1]
+    reader = made._ends[1]
 
     def refused() -> bool:
         publisher.put(b"\x00\x01\x00\x00\x01")

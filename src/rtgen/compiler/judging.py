@@ -94,7 +94,7 @@ class Judge:
         """Return the diagnostics about joining two ports; `types` are those of the instances."""
         from rtgen.compiler.systems.connections import link
 
-        known = self._known
+        known = self._components_by_type
         ends = {name: known[type_] for name, type_ in types.items() if type_ in known}
         return _compared(link(source, target, properties, ends, _NO_SPAN), ends)
 
@@ -104,10 +104,10 @@ class Judge:
         from rtgen.compiler.systems.reading import as_defined
         from rtgen.compiler.systems.timeline_checks import new_connections
 
-        links = new_connections(steps, system, self._known)
+        links = new_connections(steps, system, self._components_by_type)
         whole = replace(system, connections=(*system.connections, *links))
         [named] = as_defined([whole], self._models)
-        ends = definitions_of(named, self._known)
+        ends = definitions_of(named, self._components_by_type)
         findings = [*connections.twice(system)]
         findings += [d for c in named.connections for d in _compared(c, ends)]
         findings += ros_topics.findings(self._project.ros2.topics, ends)
@@ -130,7 +130,7 @@ class Judge:
         return models_of(self._definitions) if self._project.sources else ()
 
     @cached_property
-    def _known(self) -> Mapping[str, Known]:
+    def _components_by_type(self) -> Mapping[str, Known]:
         from rtgen.compiler.model.system_links import known_components
 
         return known_components(self._models)

@@ -45,7 +45,7 @@ def _ports(context: Context) -> Iterator[tuple[Component, Port]]:
 def any_in_ports(context: Context) -> Iterator[Diagnostic]:
     """Report data ports whose type contains an `any`, so that the transmitted type is unknown."""
     for _, port in _ports(context):
-        _, field = _found_in(context, port.type, _any, set())
+        _, field = _first_field(context, port.type, _any, set())
         if field is not None:
             yield rules.ANY_IN_PORT.at(
                 port.span,
@@ -67,7 +67,7 @@ def _element(context: Context, type_: Type) -> Type:
     return plain
 
 
-def _found_in(
+def _first_field(
     context: Context,
     type_: Type,
     judge: Callable[[Context, Type], str | None],
@@ -83,7 +83,7 @@ def _found_in(
         return what, None
     seen.add(plain.name)
     for field in fields(context.model.find(plain.name)):
-        what, inner = _found_in(context, field.type, judge, seen)
+        what, inner = _first_field(context, field.type, judge, seen)
         if what is not None:
             return what, inner or field
     return None, None
@@ -144,7 +144,7 @@ def unbounded_on_boards(context: Context) -> Iterator[Diagnostic]:
     if context.target != _SMALL:
         return
     for _, port in _ports(context):
-        what, field = _found_in(context, port.type, _unbounded, set())
+        what, field = _first_field(context, port.type, _unbounded, set())
         if what is not None:
             inside = "" if field is None else f" in {field.name}"
             yield rules.UNBOUNDED_ON_BOARD.at(

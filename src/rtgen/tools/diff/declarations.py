@@ -99,7 +99,7 @@ class _Declarations:
         new = {n: d for n, d in self._new.written.items() if isinstance(d, _TYPES)}
         names = self._result.names
         for declaration in self._old.model.declarations:
-            if self._known(declaration.name):
+            if self._is_declared(declaration.name):
                 names[declaration.name] = declaration.name
         while True:
             before = len(names)
@@ -126,7 +126,7 @@ class _Declarations:
             text = f"{_word(declaration)} {declaration.scoped} is added"
             self._add(kinds.TYPE_ADDED, declaration.scoped, text, None, declaration)
 
-    def _known(self, name: ScopedName) -> bool:
+    def _is_declared(self, name: ScopedName) -> bool:
         try:
             self._new.model.find(name)
         except KeyError:

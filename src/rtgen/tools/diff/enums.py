@@ -63,16 +63,20 @@ def _members(old: Enum | Bitmask, new: Enum | Bitmask) -> Iterator[Found]:
         other = after.get(key)
         if other is None:
             lost = not is_mask or one.value in taken
-            yield _found(removed, new, one, None, ENCODINGS if lost else NO_WIRES)
+            yield _member_change(
+                removed, new, one, None, ENCODINGS if lost else NO_WIRES
+            )
             continue
         if other.name != one.name:
-            yield _found(renamed, new, one, other, NO_WIRES)
+            yield _member_change(renamed, new, one, other, NO_WIRES)
         if other.value != one.value:
-            yield _found(moved, new, one, other, ENCODINGS)
+            yield _member_change(moved, new, one, other, ENCODINGS)
     for key, other in after.items():
         if key not in before:
             known = not is_mask or other.value in held
-            yield _found(added, new, None, other, ENCODINGS if known else NO_WIRES)
+            yield _member_change(
+                added, new, None, other, ENCODINGS if known else NO_WIRES
+            )
 
 
 def compare_bitsets(old: Bitset, new: Bitset, before: Model, after: Model) -> Compared:
@@ -165,7 +169,7 @@ def _bound(old: Enum | Bitmask, new: Enum | Bitmask, wires: frozenset[Wire]) -> 
     )
 
 
-def _found(
+def _member_change(
     sort: tuple[Kind, str],
     new_type: Enum | Bitmask,
     old: Enumerator | None,

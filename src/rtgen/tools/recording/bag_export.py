@@ -116,7 +116,7 @@ class _Exporter:
                 self._connect(message)
             elif kind in ("", "sample"):
                 if channel not in self._topics:
-                    self._topics[channel] = [*self._found(channel)]
+                    self._topics[channel] = [*self._topics_of(channel)]
                 for topic in self._topics[channel]:
                     self._put(writer, topic, message)
 
@@ -145,7 +145,7 @@ class _Exporter:
             self._joined.pop(change.name, None)
         self._topics.clear()
 
-    def _found(self, channel: Channel) -> Iterable[_Topic]:
+    def _topics_of(self, channel: Channel) -> Iterable[_Topic]:
         """Return the topics of a channel's samples."""
         name = channel.schema.name.replace("::", "/")
         is_message = ros_messages.scoped(name) is not None and channel.encoding == "cdr"

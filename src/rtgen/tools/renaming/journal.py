@@ -30,7 +30,7 @@ class Outcome:
 
 
 @contextmanager
-def kept(
+def begin(
     root: Path,
     names: tuple[str, str],
     contents: Mapping[str, tuple[bytes, bytes]],

@@ -307,7 +307,7 @@ class _Texts:
         except (SyntaxError, ValueError, RecursionError):
             return
         places = _Places(file, text)
-        instances = {**self._sources.instances, **self._made(tree)}
+        instances = {**self._sources.instances, **self._instances(tree)}
         for node in ast.walk(tree):
             match node:
                 case ast.Constant(value=str(value)):
@@ -317,7 +317,7 @@ class _Texts:
                 case ast.Call(args=items):
                     yield from self._pairs(places, items, instances)
 
-    def _made(self, tree: ast.Module) -> dict[str, str]:
+    def _instances(self, tree: ast.Module) -> dict[str, str]:
         """Return the types of the instances that a module makes: `Heater("Heater0")`."""
         imports = Modules()
         imports.add("module", ast.unparse(tree))

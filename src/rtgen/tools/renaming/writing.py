@@ -23,7 +23,7 @@ def write(renaming: Renaming) -> None:
     names = (renaming.old, renaming.new)
     try:
         _check(renaming)
-        with journal.kept(renaming.root, names, renaming.contents, renaming.moves):
+        with journal.begin(renaming.root, names, renaming.contents, renaming.moves):
             _write(renaming)
     except OSError as error:
         where = shown(Path(error.filename)) if error.filename else "a file"

@@ -55,7 +55,7 @@ class RemoteProvider(msgspec.Struct, eq=False):
 
     def call(self, operation: str, arguments: tuple[object, ...]) -> object:
         """Make a call. Raises what the operation declares, CdrError and ServiceError."""
-        remote = self._remote or self._found(operation)
+        remote = self._remote or self._find_remote(operation)
         try:
             return remote.attempt(operation, arguments)
         except CORBA.SystemException as error:
@@ -102,7 +102,7 @@ class RemoteProvider(msgspec.Struct, eq=False):
             self._remote = None
             return False
 
-    def _found(self, operation: str) -> Remote:
+    def _find_remote(self, operation: str) -> Remote:
         failure = self._failure
         if failure is not None and time.monotonic() < self._lost + _RETRY_INTERVAL:
             raise type(failure)(

@@ -115,13 +115,13 @@ class Anys:
         key = _key(type_)
         found = self._contents.get(key)
         if found is None:
-            found = self._made(type_)
+            found = self._new_content(type_)
             if len(self._contents) >= _MAX_CONTENTS:
                 self._contents.clear()
             self._contents[key] = self._contents[id(type_)] = found
         return found
 
-    def _made(self, type_: Descriptor) -> _Content:
+    def _new_content(self, type_: Descriptor) -> _Content:
         code = _code(type_)
         if has_empty_elements(type_):
             raise Fault("an array of elements without octets")

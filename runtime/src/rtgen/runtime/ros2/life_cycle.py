@@ -132,10 +132,10 @@ class LifeCycle:
                 else transition.id == wanted.id
             )
             if transition.request and transition.start is state and is_meant:
-                return self._made(transition)
+                return self._make_transition(transition)
         return False
 
-    def _made(self, transition: Transition) -> bool:
+    def _make_transition(self, transition: Transition) -> bool:
         change: Future[LifeCycleState | None] = Future()
         self._changes.append(change)
         try:

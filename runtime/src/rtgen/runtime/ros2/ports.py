@@ -136,25 +136,25 @@ class RosPorts:
     def __init__(self, network: RosNetwork, joints: Iterable[Joint]) -> None:
         """Connect the ports to their topics. Raises Ros2Error."""
         self._network = network
-        self._made: list[TopicWriter | TopicReader] = []
+        self._ends: list[TopicWriter | TopicReader] = []
         try:
             for joint in joints:
                 marshaling = joint.marshaling
                 type_ = joint.port.type if marshaling is None else marshaling.message
                 topic = RosTopic(joint.topic, type_, joint.node)
-                self._made.append(_made(network, joint, topic))
+                self._ends.append(_end_of(network, joint, topic))
         except Ros2Error:
             self.close()
             raise
 
     def close(self) -> None:
         """Disconnect the ports, and close the network."""
-        for each in self._made:
+        for each in self._ends:
             each.close()
         self._network.close()
 
 
-def _made(
+def _end_of(
     network: RosNetwork, joint: Joint, topic: RosTopic
 ) -> TopicWriter | TopicReader:
     if isinstance(joint.port, OutPort):

@@ -167,10 +167,10 @@ class Discovery:
         """Return the declaration by which the other ends of a topic are found. Raises ZError."""
         kind = ros_zenoh.SUBSCRIPTION if own.writes else ros_zenoh.PUBLISHER
         key = ros_zenoh.tokens_of(domain, kind, name, type_name)
-        found = self._found(name, own)
+        found = self._peer_observer(name, own)
         return self._session.liveliness().declare_subscriber(key, found, history=True)
 
-    def _found(self, name: str, own: Own) -> Callable[[zenoh.Sample], None]:
+    def _peer_observer(self, name: str, own: Own) -> Callable[[zenoh.Sample], None]:
         def found(sample: zenoh.Sample) -> None:
             if sample.kind != zenoh.SampleKind.PUT:
                 return

@@ -126,18 +126,18 @@ def _struct(
                 "initial": form.made if form.mutable else name,
                 "storage": form.items,
                 "copying": (
-                    _filled(form.copy, f"{own}.{name}", name) if form.mutable else ""
+                    _fill(form.copy, f"{own}.{name}", name) if form.mutable else ""
                 ),
             }
             for name, form in members
         ],
-        "copying": [_filled(f.copy, f"self.{n}", f"other.{n}") for n, f in members],
-        "put": [_filled(s, f"self.{n}") for n, form in members for s in form.put],
-        "take": [_filled(s, f"self.{n}") for n, form in members for s in form.take],
+        "copying": [_fill(f.copy, f"self.{n}", f"other.{n}") for n, f in members],
+        "put": [_fill(s, f"self.{n}") for n, form in members for s in form.put],
+        "take": [_fill(s, f"self.{n}") for n, form in members for s in form.take],
     }
 
 
-def _filled(statement: str, target: str, source: str = "{1}") -> str:
+def _fill(statement: str, target: str, source: str = "{1}") -> str:
     """Return a statement of a form with its two places filled in."""
     return statement.replace("{0}", target).replace("{1}", source)
 

@@ -83,7 +83,7 @@ class Template:
         start = len(first)
         for number, part in enumerate(inner):
             if part:
-                found = _found(part, text, start, end)
+                found = _place_of(part, text, start, end)
             else:
                 found = _seam(text, start, end, next(filter(None, inner[number:]), ""))
             if found < 0:
@@ -93,7 +93,7 @@ class Template:
         return [*values, text[start:end]]
 
 
-def _found(part: str, text: str, start: int, end: int) -> int:
+def _place_of(part: str, text: str, start: int, end: int) -> int:
     """Return the place of a constant part after an insertion that begins at `start`, or -1.
 
     It is the first one that is outside of quotes of the insertion, else the first one; it is not
@@ -126,7 +126,7 @@ def _seam(text: str, start: int, end: int, part: str) -> int:
 
     The second one is an addition, which begins with a mark, or empty. `part` follows the two.
     """
-    limit = _found(part, text, start, end) if part else end
+    limit = _place_of(part, text, start, end) if part else end
     seam = _ADDITION.search(text, start, limit) if limit >= 0 else None
     return seam.start() if seam else limit
 

@@ -175,7 +175,7 @@ class Directory:
             found = self.naming.component(instance, KIND)
             return found if is_alive(found) else None
         if foreign.reference is None or not is_alive(foreign.reference):
-            foreign.reference = self._found(foreign.plan)
+            foreign.reference = self._find(foreign.plan)
         return foreign.reference
 
     def where(self, instance: str) -> str:
@@ -187,7 +187,7 @@ class Directory:
         service = f"the naming service {self.naming.address}"
         return f"{service} has no {instance}.{KIND}{also} that answers"
 
-    def _found(self, plan: ForeignComponent) -> Any:
+    def _find(self, plan: ForeignComponent) -> Any:
         if plan.path.startswith(_ADDRESSES):
             found = self._exported.reference(plan.path)
             return found if is_alive(found) else None

@@ -127,7 +127,7 @@ class _Peer:
             profile = RemoteRtc(component, self._objects.exported).read_profile()
         except FAULTS:
             return False
-        other = self._found(profile)
+        other = self._port_of(profile)
         self._is_rtgen = RUNTIME in texts(profile.properties)
         port.watch(self.name, self)
         if port.has_link(self.name, other):
@@ -265,7 +265,7 @@ class _Peer:
         """Return whether a component is that of the last connection, not a restarted one."""
         return self._component is not None and self._component._is_equivalent(component)
 
-    def _found(self, profile: Any) -> Any:
+    def _port_of(self, profile: Any) -> Any:
         """Return the port of a component. Raises PortTypeError."""
         wanted = known_name(self.there.port)
         names = []

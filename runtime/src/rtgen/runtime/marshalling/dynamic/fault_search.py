@@ -201,7 +201,7 @@ class _Search:
                 if member_id != id_:
                     raise Fault(f"the parameter {id_} is needed")
                 if start != stop:
-                    self._filled(inner, memoryview(data)[start:stop], 0)
+                    self._read_whole(inner, memoryview(data)[start:stop], 0)
                 return None, stop
         raise TypeError(node)
 
@@ -349,12 +349,12 @@ class _Search:
             names_read.add(attribute)
             padding = 3 if isinstance(member, Parameter) else 0
             try:
-                self._filled(member.node, memoryview(data)[start:offset], padding)
+                self._read_whole(member.node, memoryview(data)[start:offset], padding)
             except LOCATED as failure:
                 raise _extended(failure, part) from failure
         return names_read, offset
 
-    def _filled(self, node: Node, content: Octets, padding: int) -> None:
+    def _read_whole(self, node: Node, content: Octets, padding: int) -> None:
         """Read a value that fills the content, except for up to `padding` octets."""
         _, used = self.read(node, content, 0)
         if len(content) - used > padding:

@@ -60,9 +60,9 @@ class ImplicitJoins(Joins):
                 )
             )
             return
-        self._made(cell, port.name, None, target, port.required_port, cell.span)
+        self._join_to(cell, port.name, None, target, port.required_port, cell.span)
 
-    def _made(
+    def _join_to(
         self,
         cell: Cell,
         name: str,
@@ -102,7 +102,7 @@ class ImplicitJoins(Joins):
                 assert port.fixed is not None
                 assert cell.span is not None
                 name = port.fixed.port.text
-                join = self._made(caller, name, -1, cell, entry, cell.span)
+                join = self._join_to(caller, name, -1, cell, entry, cell.span)
                 self._define(caller, join)
         if isinstance(cell.celltype, Composite):
             for port in cell.celltype.kept():

@@ -26,7 +26,7 @@ _DERIVED = {
 }
 
 
-def _made() -> dict[str, CType]:
+def _all_types() -> dict[str, CType]:
     found: dict[str, CType] = {name: CScalarType(kind) for kind, name in _BASIC.items()}
     for base, names in _DERIVED.items():
         for name in names.split():
@@ -37,5 +37,5 @@ def _made() -> dict[str, CType]:
     return found
 
 
-TYPES: Mapping[str, CType] = MappingProxyType(_made())
+TYPES: Mapping[str, CType] = MappingProxyType(_all_types())
 """The types by name, as on the kernels ASP, ASP3, HRP and FMP."""
