@@ -9,6 +9,7 @@ from pathlib import Path
 
 import hosting
 import pytest
+from patience import PATIENCE
 
 from rtgen.cli import run
 
@@ -38,7 +39,9 @@ getattr(module, sys.argv[2] + "Init")(manager)
 component = manager.createComponent(sys.argv[2])
 assert component.getTypeName() == sys.argv[2]
 behaviour = type(component._host.behaviour)
-print(behaviour.__module__, behaviour.__name__)
+print(behaviour.__module__, behaviour.__name__, flush=True)
+component.exit()
+manager.shutdown()
 """
 
 
@@ -88,6 +91,7 @@ def test_a_manager_imports_the_module(
         env=rtm_environment,
         capture_output=True,
         text=True,
+        timeout=PATIENCE,
         check=False,
     )
     assert done.returncode == 0, done.stderr
