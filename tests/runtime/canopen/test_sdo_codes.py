@@ -84,7 +84,10 @@ def test_each_constant_is_one_of_them() -> None:
         for name, value in vars(sdo).items()
         if name.isupper() and isinstance(value, int)
     }
-    limits = {"MAX_SIZE", "TIMEOUT", "FRAME", "EXPEDITED", "SEGMENT", "MAX_BLOCK"}
+    limits = {
+        *("MAX_SIZE", "TIMEOUT", "FRAME", "EXPEDITED", "SEGMENT", "MAX_BLOCK"),
+        "_ATTEMPTS",
+    }
     codes = names - limits - set(COMMANDS)
     assert {getattr(sdo, name) for name in codes} <= set(ABORT_TEXTS)
     assert len(codes) == len({getattr(sdo, name) for name in codes})

@@ -4,7 +4,9 @@ from __future__ import annotations
 
 import pytest
 
-from rtgen.compiler.typemap.member_units import with_unit
+from rtgen.compiler.backends.kit.member_texts import member_text
+from rtgen.compiler.diagnostics import Span
+from rtgen.compiler.model import Annotation, Documented
 from rtgen.facts.comments import first_sentence, split_sentence
 
 SENTENCES = [
@@ -37,4 +39,6 @@ def test_the_first_sentence(text: str, sentence: str) -> None:
     ],
 )
 def test_a_unit_ends_the_first_sentence(text: str, expected: str) -> None:
-    assert with_unit(text, "K") == expected
+    unit = Annotation("unit", (("value", "K"),))
+    entry = Documented(span=Span("a.idl", 1, 1, 1, 1), doc=text, annotations=(unit,))
+    assert member_text(entry) == expected

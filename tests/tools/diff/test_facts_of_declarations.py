@@ -64,7 +64,7 @@ NONE = {
     *("created", "updated", "doc", "language"),  # profile texts
     *("runtime_base", "configuration_base", "factory", "module", "other_file"),
     "kind",  # of the component's execution context, which has it from its definition
-    "conf",  # where the configuration was read from
+    "conf_files",  # where the configuration was read from
 }
 """No fact of the definition, but of its text, or of what is generated for it."""
 
